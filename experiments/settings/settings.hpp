@@ -1,0 +1,89 @@
+// Every setting of a run, with its default. A run is described by this struct alone: it is filled from the
+// defaults, then the configuration file, then the command line (experiments/settings/read.hpp), checked once,
+// and written whole to RUN/config.toml. To add a setting: one member here and one row of the table in
+// fields.cpp; reading, checking, writing, comparing and the command line follow from that row.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/contact/registry.hpp"
+
+namespace loam::experiments {
+
+/// The prior of one fitted parameter, in SI. `lognormal`: mean and sd are of log10 of the value. Truncated to
+/// the bounds.
+struct Prior {
+    engine::PriorKind kind = engine::PriorKind::uniform;
+    double mean = 0;  // unused (0) for uniform and loguniform
+    double sd = 0;    // likewise
+    double lower = 0;
+    double upper = 0;
+    bool operator==(const Prior&) const = default;
+};
+
+/// How a simulation is run.
+struct EngineSettings {
+    double damping = 0.4;            // Cundall's local damping, 0..1
+    double time_step_safety = 0.7;   // fraction of the critical (p-wave) time step
+    double inertial_number = 1e-3;   // target while loading: sets the strain rate
+    bool fragile = true;             // a cohesive bond, once broken, does not heal
+    double interaction_range = 1.5;  // of the sum of radii: reach of a cohesive bond
+    bool operator==(const EngineSettings&) const = default;
+};
+
+/// How a specimen is made.
+struct SpecimenSettings {
+    double size_spread = 0.3;                   // uniform grading: mean radius * (1 +- size_spread)
+    std::optional<double> porosity;             // default: from the test's initial void ratio
+    std::optional<double> grain_density_kg_m3;  // default: the sample's
+    double preparation_stress_kPa = 2;
+    bool operator==(const SpecimenSettings&) const = default;
+};
+
+/// How parameters are fitted.
+struct CalibrationSettings {
+    std::string design = "latin-hypercube";
+    std::string kernel = "matern52";
+    std::string global_optimizer = "crs";
+    std::string local_optimizer = "ceres";
+    int replicates = 12;            // further packings at chosen points, from which packing noise is learnt
+    int confirmation_packings = 8;  // fresh packings for the direct runs at the estimate
+    int max_rounds = 3;             // rounds of runs added where emulator and direct runs disagree
+    int runs_per_round = 24;
+    int posterior_draws = 4000;
+    bool operator==(const CalibrationSettings&) const = default;
+};
+
+struct Settings {
+    std::string verb;
+    std::string benchmark;              // of the verb bench
+    std::filesystem::path sample;       // absolute once resolved
+    std::vector<std::string> tests;     // kinds to use; empty: every kind that can be simulated
+    std::vector<std::string> hold_out;  // the sample's files to predict, not to fit
+    std::filesystem::path packing;      // of the verb simulate; empty: a packing is made
+    std::filesystem::path out;          // the run folder, absolute once resolved
+    std::uint64_t seed = 1;
+    int jobs = 0;  // runs at once; 0: one a core
+    bool quiet = false;
+    bool json = false;
+    std::string law = "linear-cohesive";
+    std::string rotation = "blocked";  // blocked | free
+    std::vector<std::string> effects;
+    int particles = 700;
+    int runs = 240;
+    std::string
+        inputs_digest;  // of the sample's files and the packing, so that a resumed run meets the same data
+    std::map<std::string, double> set;    // parameters held fixed, SI
+    std::map<std::string, Prior> priors;  // of every other parameter of the law, once resolved
+    EngineSettings engine;
+    SpecimenSettings specimen;
+    CalibrationSettings calibration;
+    bool operator==(const Settings&) const = default;
+};
+
+}  // namespace loam::experiments
