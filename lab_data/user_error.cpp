@@ -37,6 +37,7 @@ std::string message(const Fault& fault) {
     if (!fault.file.empty()) {
         text += shown(fault.file);
         if (fault.line > 0) text += ":" + std::to_string(fault.line);
+        if (fault.line > 0 && fault.position > 0) text += ":" + std::to_string(fault.position);
         text += ": ";
     }
     if (!fault.column.empty()) {

@@ -17,6 +17,7 @@ struct Fault {
     std::string value;       // as written
     std::string constraint;  // the rule, as the rest of a sentence: "must be a number", "is missing"
     std::string remedy;      // what to do, as a sentence without its full stop: "write 12.5"
+    int position = 0;        // in the line, from 1; 0: none
 };
 
 class UserError : public std::runtime_error {
