@@ -8,16 +8,17 @@
 
 namespace loam::lab_data {
 
-/// What is wrong. Fields that do not apply stay empty (line 0: none).
-/// The text is put together as "file:line: column 'axial_strain': value '12,5' must be a number; write 12.5".
+/// What is wrong. Fields that do not apply stay empty (line 0: none); designated initialisers may leave them
+/// out. The text is put together as "file:line: column 'axial_strain': value '12,5' must be a number;
+/// write 12.5".
 struct Fault {
-    std::string file;        // as the user would write it
-    int line = 0;            // from 1; 0: none
-    std::string column;      // CSV column, TOML key, or command-line option ("--particles")
-    std::string value;       // as written
-    std::string constraint;  // the rule, as the rest of a sentence: "must be a number", "is missing"
-    std::string remedy;      // what to do, as a sentence without its full stop: "write 12.5"
-    int position = 0;        // in the line, from 1; 0: none
+    std::string file = {};        // as the user would write it
+    int line = 0;                 // from 1; 0: none
+    std::string column = {};      // CSV column, TOML key, or command-line option ("--particles")
+    std::string value = {};       // as written
+    std::string constraint = {};  // the rule, as the rest of a sentence: "must be a number", "is missing"
+    std::string remedy = {};      // what to do, as a sentence without its full stop: "write 12.5"
+    int position = 0;             // in the line, from 1; 0: none
 };
 
 class UserError : public std::runtime_error {

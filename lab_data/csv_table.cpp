@@ -1,0 +1,170 @@
+#include "lab_data/csv_table.hpp"
+
+#include <csv.h>
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <new>
+#include <set>
+#include <string_view>
+
+#include "lab_data/number.hpp"
+#include "lab_data/text_file.hpp"
+
+namespace loam::lab_data {
+namespace {
+
+constexpr std::size_t largest_csv = 16u << 20;
+
+char separator_of(std::string_view header) {
+    constexpr std::array<char, 3> separators{',', ';', '\t'};
+    std::array<int, 3> counts{};
+    bool quoted = false;
+    for (const char c : header) {
+        if (c == '"') quoted = !quoted;
+        for (std::size_t i = 0; i < separators.size() && !quoted; ++i) counts[i] += c == separators[i];
+    }
+    return separators[static_cast<std::size_t>(std::max_element(counts.begin(), counts.end()) -
+                                               counts.begin())];
+}
+
+/// What libcsv's callbacks fill: rows, and the line at which the row in work started.
+struct Rows {
+    std::vector<CsvRow> rows;
+    CsvRow row;
+};
+
+void on_cell(void* text, std::size_t length, void* data) {
+    static_cast<Rows*>(data)->row.cells.emplace_back(static_cast<const char*>(text), length);
+}
+
+void on_row(int, void* data) {
+    auto& rows = *static_cast<Rows*>(data);
+    const bool blank = std::ranges::all_of(rows.row.cells, [](const auto& cell) { return cell.empty(); });
+    if (!blank) rows.rows.push_back(std::move(rows.row));
+    rows.row = {};
+}
+
+/// Takes the first line off `text`; the line comes without its end ("\n", "\r\n" or "\r").
+std::string_view next_line(std::string_view& text) {
+    const std::size_t end = std::min(text.find_first_of("\r\n"), text.size());
+    const std::string_view line = text.substr(0, end);
+    text.remove_prefix(end);
+    text.remove_prefix(text.starts_with("\r\n") ? 2 : std::min<std::size_t>(1, text.size()));
+    return line;
+}
+
+bool is_comment(std::string_view line) {
+    return trimmed(line).starts_with('#');
+}
+
+/// Feeds libcsv line by line, which is how each row gets its line in the file.
+std::optional<std::vector<CsvRow>> split_rows(std::string_view text, const std::string& file,
+                                              Faults& faults) {
+    csv_parser parser;
+    if (csv_init(&parser, CSV_STRICT | CSV_STRICT_FINI) != 0) throw std::bad_alloc();
+    const std::unique_ptr<csv_parser, decltype(&csv_free)> owner(&parser, csv_free);
+    bool separator_known = false;
+    Rows rows;
+    for (int line_number = 1; !text.empty(); ++line_number) {
+        const std::string_view line = next_line(text);
+        const bool row_begins = parser.pstate == 0;  // else a quoted cell goes on
+        if (row_begins) {
+            if (is_comment(line) || trimmed(line).empty()) continue;
+            if (!separator_known) csv_set_delim(&parser, static_cast<unsigned char>(separator_of(line)));
+            separator_known = true;
+            rows.row.line = line_number;
+        }
+        std::string fed(line);
+        fed += '\n';
+        if (csv_parse(&parser, fed.data(), fed.size(), on_cell, on_row, &rows) == fed.size()) continue;
+        faults.error(
+            {.file = file,
+             .line = rows.row.line,
+             .constraint = "has a quotation mark inside a cell, or one that is never closed",
+             .remedy =
+                 "enclose the whole cell in quotes and double the quotes inside it, or leave them out"});
+        return std::nullopt;
+    }
+    if (csv_fini(&parser, on_cell, on_row, &rows) != 0) {
+        faults.error({.file = file,
+                      .line = rows.row.line,
+                      .constraint = "has a cell whose quotation mark is never closed",
+                      .remedy = "close it or leave it out"});
+        return std::nullopt;
+    }
+    return std::move(rows.rows);
+}
+
+bool header_is_sound(const CsvTable& table, Faults& faults) {
+    if (std::ranges::all_of(table.header, [](const auto& name) { return parse_number(name).has_value(); })) {
+        faults.error({.file = table.file,
+                      .line = table.header_line,
+                      .value = table.header.front(),
+                      .constraint = "stands where the columns' names should be",
+                      .remedy =
+                          "begin the file with a row of names such as axial_stress_kPa,axial_strain, not "
+                          "starting with '#'"});
+        return false;
+    }
+    std::set<std::string_view> seen;
+    for (const std::string& name : table.header) {
+        if (name.empty() || seen.insert(name).second) continue;
+        faults.error({.file = table.file,
+                      .line = table.header_line,
+                      .column = name,
+                      .constraint = "is there twice",
+                      .remedy = "remove or rename one of them"});
+        return false;
+    }
+    return true;
+}
+
+/// Rows to the header's length: surplus empty cells go, anything else is a fault.
+bool rows_fit(CsvTable& table, Faults& faults) {
+    RepeatedFault ragged(faults, table.file);
+    const std::size_t columns = table.header.size();
+    for (CsvRow& row : table.rows) {
+        while (row.cells.size() > columns && row.cells.back().empty()) row.cells.pop_back();
+        if (row.cells.size() == columns) continue;
+        const bool longer = row.cells.size() > columns;
+        ragged.error(
+            {.file = table.file,
+             .line = row.line,
+             .constraint = "has " + std::to_string(row.cells.size()) + " cells where the header names " +
+                           std::to_string(columns) + " columns",
+             .remedy = longer ? "remove what is too much; if numbers have a decimal comma, write a point"
+                              : "add the missing cells or remove the row"});
+    }
+    return ragged.count() == 0;
+}
+
+}  // namespace
+
+std::optional<CsvTable> read_csv(const std::filesystem::path& path, Faults& faults) {
+    const auto text = read_text(path, largest_csv, faults);
+    if (!text) return std::nullopt;
+    const std::string file = path.string();
+    auto rows = split_rows(*text, file, faults);
+    if (!rows) return std::nullopt;
+    if (rows->size() < 2) {
+        faults.error({.file = file,
+                      .line = rows->empty() ? 0 : rows->front().line,
+                      .constraint = rows->empty() ? "is empty" : "has a header but no readings under it",
+                      .remedy = "give a row of column names and a row for each reading"});
+        return std::nullopt;
+    }
+    CsvTable table{.file = file,
+                   .header_line = rows->front().line,
+                   .header = std::move(rows->front().cells),
+                   .rows = {}};
+    rows->erase(rows->begin());
+    table.rows = std::move(*rows);
+    for (std::string& name : table.header) name = std::string(trimmed(name));
+    while (!table.header.empty() && table.header.back().empty()) table.header.pop_back();
+    if (!header_is_sound(table, faults) || !rows_fit(table, faults)) return std::nullopt;
+    return table;
+}
+
+}  // namespace loam::lab_data

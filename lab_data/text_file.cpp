@@ -1,0 +1,145 @@
+#include "lab_data/text_file.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <string_view>
+#include <vector>
+
+#include "lab_data/nearest_name.hpp"
+
+namespace loam::lab_data {
+namespace fs = std::filesystem;
+namespace {
+
+/// Where the first byte is that is no UTF-8 (RFC 3629), or that text does not contain; npos if there is none.
+std::size_t first_non_text(std::string_view text) {
+    const auto byte = [&](std::size_t i) {
+        return static_cast<unsigned>(static_cast<unsigned char>(text[i]));
+    };
+    const auto follows = [&](std::size_t i) { return i < text.size() && (byte(i) & 0xc0u) == 0x80u; };
+    for (std::size_t i = 0; i < text.size();) {
+        const unsigned lead = byte(i);
+        std::size_t length = 0;
+        if (lead < 0x80)
+            length = (lead >= 0x20 && lead != 0x7f) || (lead >= 0x09 && lead <= 0x0d) ? 1 : 0;
+        else if (lead >= 0xc2 && lead <= 0xdf)
+            length = 2;
+        else if (lead >= 0xe0 && lead <= 0xef)
+            length = 3;
+        else if (lead >= 0xf0 && lead <= 0xf4)
+            length = 4;
+        if (length == 0) return i;
+        for (std::size_t k = 1; k < length; ++k)
+            if (!follows(i + k)) return i;
+        const unsigned second = length > 2 ? byte(i + 1) : 0;  // overlong forms, surrogates, beyond U+10FFFF
+        if ((lead == 0xe0 && second < 0xa0) || (lead == 0xed && second > 0x9f) ||
+            (lead == 0xf0 && second < 0x90) || (lead == 0xf4 && second > 0x8f))
+            return i;
+        i += length;
+    }
+    return std::string_view::npos;
+}
+
+Fault not_text(const fs::path& path, std::string_view text, std::size_t at) {
+    Fault fault{
+        .file = path.string(),
+        .line = 1 + static_cast<int>(std::count(text.begin(), text.begin() + static_cast<long>(at), '\n')),
+        .value = std::string(text.substr(at, 1)),
+        .constraint = "is not UTF-8 text"};
+    if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) {
+        fault.line = 1;
+        fault.value = "";
+        fault.constraint = "is UTF-16, not UTF-8 text";
+        fault.remedy = "save it again as 'CSV UTF-8' or 'UTF-8'";
+    } else if (text.starts_with("PK\x03\x04")) {
+        fault.line = 0;
+        fault.value = "";
+        fault.constraint = "is a workbook or an archive, not text";
+        fault.remedy = "export the sheet as CSV";
+    } else if (text.substr(0, 4096).find('\0') != std::string_view::npos) {
+        fault.constraint = "is binary, not text";
+        fault.value = "";
+        fault.remedy = "give a text file";
+    } else {
+        fault.remedy = "save the file with the encoding UTF-8";
+    }
+    return fault;
+}
+
+std::string missing_file_remedy(const fs::path& path) {
+    std::vector<std::string> names;
+    std::error_code error;
+    for (fs::directory_iterator entry(path.parent_path().empty() ? "." : path.parent_path(), error), end;
+         !error && entry != end && names.size() < 1000; entry.increment(error))
+        names.push_back(entry->path().filename().string());
+    std::sort(names.begin(), names.end());
+    const std::vector<std::string_view> views(names.begin(), names.end());
+    if (const auto nearest = nearest_name(path.filename().string(), views))
+        return "did you mean '" + *nearest + "'?";
+    return "put it there or correct the name";
+}
+
+}  // namespace
+
+bool is_inside_folder(const std::string& file, const Fault& where, Faults& faults) {
+    Fault fault = where;
+    fault.value = file;
+    const fs::path path(file);
+    if (file.empty()) {
+        fault.constraint = "is empty";
+        fault.remedy = "name a file in the folder";
+    } else if (std::ranges::any_of(file, [](char c) { return static_cast<unsigned char>(c) < 0x20; })) {
+        fault.constraint = "must not contain control characters";
+        fault.remedy = "rename the file";
+    } else if (file.find('\\') != std::string::npos) {
+        fault.constraint = "must not contain backslashes";
+        fault.remedy = "separate folders with /";
+    } else if (path.is_absolute() || std::ranges::find(path, fs::path("..")) != path.end()) {
+        fault.constraint = "must lie in the folder of the file that names it";
+        fault.remedy = "copy the file there and give its name without leading / or ..";
+    } else {
+        return true;
+    }
+    faults.error(fault);
+    return false;
+}
+
+std::optional<std::string> read_text(const fs::path& path, std::size_t largest, Faults& faults) {
+    Fault fault{.file = path.string()};
+    const auto refuse = [&](std::string constraint, std::string remedy) {
+        fault.constraint = std::move(constraint);
+        fault.remedy = std::move(remedy);
+        faults.error(fault);
+        return std::nullopt;
+    };
+    std::error_code error;
+    const fs::file_status status = fs::status(path, error);
+    if (status.type() == fs::file_type::not_found) return refuse("does not exist", missing_file_remedy(path));
+    if (error) return refuse("cannot be read: " + error.message(), "correct its name or its permissions");
+    if (status.type() == fs::file_type::directory) return refuse("is a folder", "name a file in it");
+    if (status.type() != fs::file_type::regular) return refuse("is not a regular file", "give a text file");
+    const auto size = fs::file_size(path, error);
+    if (!error && size > largest)
+        return refuse("has " + std::to_string(size) + " bytes; the most is " + std::to_string(largest),
+                      "thin the readings out or split the file");
+    errno = 0;
+    std::ifstream stream(path, std::ios::binary);
+    // Not more than promised, should the file grow meanwhile.
+    std::string text(error ? largest : static_cast<std::size_t>(size), '\0');
+    if (stream) stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+    if (!stream.is_open() || stream.bad())
+        return refuse("cannot be read: " + std::string(std::strerror(errno)), "correct its permissions");
+    text.resize(static_cast<std::size_t>(stream.gcount()));
+    if (text.starts_with("\xef\xbb\xbf")) text.erase(0, 3);
+    const std::size_t bad = first_non_text(text);
+    if (bad != std::string::npos) {
+        faults.error(not_text(path, text, bad));
+        return std::nullopt;
+    }
+    return text;
+}
+
+}  // namespace loam::lab_data
