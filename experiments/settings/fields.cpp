@@ -1,0 +1,167 @@
+#include "experiments/settings/fields.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "lab_data/sample.hpp"
+
+namespace loam::experiments {
+namespace {
+
+using Names = std::vector<std::string_view>;
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr Limits above_zero{.lower = 0, .open_lower = true};
+constexpr Limits fraction{.lower = 0, .upper = 1, .open_lower = true, .open_upper = true};
+constexpr Limits up_to_one{.lower = 0, .upper = 1, .open_lower = true};
+
+constexpr Limits count(double least, double most = 1e6) {
+    return {.lower = least, .upper = most};
+}
+
+Names verbs_with_settings() {
+    return {"simulate", "calibrate", "bench"};
+}
+Names rotations() {
+    return {"blocked", "free"};
+}
+Names designs() {
+    return {"latin-hypercube", "sobol"};
+}
+Names kernels() {
+    return {"matern52", "squared-exponential"};
+}
+
+Names law_names() {
+    Names names;
+    for (const engine::LawInfo& law : engine::laws()) names.push_back(law.name);
+    return names;
+}
+
+Names test_kinds() {
+    using lab_data::TestKind;
+    return {to_string(TestKind::oedometer), to_string(TestKind::triaxial), to_string(TestKind::direct_shear)};
+}
+
+// clang-format off
+const std::array table{
+    Field{"", "verb", [](Settings& s) -> Slot { return &s.verb; },
+          "what was asked for", {}, verbs_with_settings},
+    Field{"", "benchmark", [](Settings& s) -> Slot { return &s.benchmark; },
+          "which benchmark, of the verb bench"},
+    Field{"", "sample", [](Settings& s) -> Slot { return &s.sample; },
+          "folder of the sample", {}, nullptr, "", Resuming::may_differ},
+    Field{"", "tests", [](Settings& s) -> Slot { return &s.tests; },
+          "kinds of test to use, separated by commas (default: every kind that can be simulated)", {}, test_kinds, "KIND,..."},
+    Field{"", "hold_out", [](Settings& s) -> Slot { return &s.hold_out; },
+          "tests of the sample, by file, to predict but not to fit", {}, nullptr, "FILE,..."},
+    Field{"", "packing", [](Settings& s) -> Slot { return &s.packing; },
+          "specimen to load: CSV with x_m,y_m,z_m,radius_m (default: one is made)", {}, nullptr, "FILE.csv",
+          Resuming::may_differ},
+    Field{"", "out", [](Settings& s) -> Slot { return &s.out; },
+          "folder of the run (default: runs/VERB-NAME)", {}, nullptr, "DIR", Resuming::may_differ},
+    Field{"", "seed", [](Settings& s) -> Slot { return &s.seed; },
+          "of all random numbers", {.lower = 0, .upper = 9223372036854775807.0}, nullptr, "N"},
+    Field{"", "jobs", [](Settings& s) -> Slot { return &s.jobs; },
+          "simulations at once; 0: one a core", count(0, 4096), nullptr, "N", Resuming::may_differ},
+    Field{"", "quiet", [](Settings& s) -> Slot { return &s.quiet; },
+          "no progress on standard error", {}, nullptr, "flag", Resuming::may_differ},
+    Field{"", "json", [](Settings& s) -> Slot { return &s.json; },
+          "the result on standard output as JSON", {}, nullptr, "flag", Resuming::may_differ},
+    Field{"", "law", [](Settings& s) -> Slot { return &s.law; },
+          "contact law (see `loam effects`)", {}, law_names, "NAME"},
+    Field{"", "rotation", [](Settings& s) -> Slot { return &s.rotation; },
+          "rotation of the particles", {}, rotations, "free|blocked"},
+    Field{"", "effects", [](Settings& s) -> Slot { return &s.effects; },
+          "effects added to the law (see `loam effects`)", {}, nullptr, "NAME,..."},
+    Field{"", "particles", [](Settings& s) -> Slot { return &s.particles; },
+          "particles in a specimen", count(50, 1e7), nullptr, "N"},
+    Field{"", "runs", [](Settings& s) -> Slot { return &s.runs; },
+          "simulations in the first design", count(1), nullptr, "N"},
+    Field{"", "inputs_digest", [](Settings& s) -> Slot { return &s.inputs_digest; },
+          "of the sample's files and the packing; worked out anew for each run"},
+
+    Field{"engine", "damping", [](Settings& s) -> Slot { return &s.engine.damping; },
+          "Cundall's local damping, 1", {.lower = 0, .upper = 1, .open_upper = true}},
+    Field{"engine", "time_step_safety", [](Settings& s) -> Slot { return &s.engine.time_step_safety; },
+          "time step over the critical (p-wave) one, 1", up_to_one},
+    Field{"engine", "inertial_number", [](Settings& s) -> Slot { return &s.engine.inertial_number; },
+          "target while loading, 1: sets the strain rate", {.lower = 0, .upper = 0.1, .open_lower = true}},
+    Field{"engine", "fragile", [](Settings& s) -> Slot { return &s.engine.fragile; },
+          "a cohesive bond, once broken, does not heal"},
+    Field{"engine", "interaction_range", [](Settings& s) -> Slot { return &s.engine.interaction_range; },
+          "reach of a cohesive bond over the sum of radii, 1", {.lower = 1, .upper = 3}},
+
+    Field{"specimen", "size_spread", [](Settings& s) -> Slot { return &s.specimen.size_spread; },
+          "radii are uniform over the mean radius times 1 +- this, 1", {.lower = 0, .upper = 0.9}},
+    Field{"specimen", "porosity", [](Settings& s) -> Slot { return &s.specimen.porosity; },
+          "of the specimen, 1 (default: from the test's initial void ratio)", fraction},
+    Field{"specimen", "grain_density_kg_m3", [](Settings& s) -> Slot { return &s.specimen.grain_density_kg_m3; },
+          "of the grains, kg/m3 (default: the sample's)", {.lower = 100, .upper = 30000}},
+    Field{"specimen", "preparation_stress_kPa", [](Settings& s) -> Slot { return &s.specimen.preparation_stress_kPa; },
+          "under which a specimen is made, kPa", above_zero},
+
+    Field{"calibration", "design", [](Settings& s) -> Slot { return &s.calibration.design; },
+          "of the first runs", {}, designs},
+    Field{"calibration", "kernel", [](Settings& s) -> Slot { return &s.calibration.kernel; },
+          "covariance of the emulator", {}, kernels},
+    Field{"calibration", "global_optimizer", [](Settings& s) -> Slot { return &s.calibration.global_optimizer; },
+          "of the search on the emulator"},
+    Field{"calibration", "local_optimizer", [](Settings& s) -> Slot { return &s.calibration.local_optimizer; },
+          "of the refinement on the emulator"},
+    Field{"calibration", "replicates", [](Settings& s) -> Slot { return &s.calibration.replicates; },
+          "further packings, from which packing noise is learnt", count(0)},
+    Field{"calibration", "confirmation_packings", [](Settings& s) -> Slot { return &s.calibration.confirmation_packings; },
+          "fresh packings for the direct runs at the estimate", count(1)},
+    Field{"calibration", "max_rounds", [](Settings& s) -> Slot { return &s.calibration.max_rounds; },
+          "rounds of runs added where emulator and direct runs disagree", count(0)},
+    Field{"calibration", "runs_per_round", [](Settings& s) -> Slot { return &s.calibration.runs_per_round; },
+          "runs in each of them", count(1)},
+    Field{"calibration", "posterior_draws", [](Settings& s) -> Slot { return &s.calibration.posterior_draws; },
+          "kept draws of the posterior", count(100, 1e7)},
+};
+// clang-format on
+
+}  // namespace
+
+bool Limits::contain(double value) const {
+    const bool above = open_lower ? value > lower : value >= lower;
+    const bool below = open_upper ? value < upper : value <= upper;
+    return above && below && std::isfinite(value);
+}
+
+std::string Limits::text() const {
+    std::string text = "must be ";
+    if (lower > -infinity) text += fmt::format("{} {}", open_lower ? "above" : "at least", lower);
+    if (lower > -infinity && upper < infinity) text += " and ";
+    if (upper < infinity) text += fmt::format("{} {}", open_upper ? "below" : "at most", upper);
+    if (lower == -infinity && upper == infinity) text += "a finite number";
+    return text;
+}
+
+std::string Field::path() const {
+    return section.empty() ? std::string(key) : fmt::format("{}.{}", section, key);
+}
+
+std::span<const Field> fields() {
+    return table;
+}
+
+const Field* find_field(std::string_view section, std::string_view key) {
+    const auto found =
+        std::ranges::find_if(table, [&](const Field& f) { return f.section == section && f.key == key; });
+    return found == table.end() ? nullptr : &*found;
+}
+
+std::vector<std::string_view> sections() {
+    std::vector<std::string_view> names;
+    for (const Field& field : table)
+        if (!field.section.empty() && (names.empty() || names.back() != field.section))
+            names.push_back(field.section);
+    return names;
+}
+
+}  // namespace loam::experiments

@@ -1,0 +1,107 @@
+#include "experiments/settings/inputs.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+
+#include "experiments/output/file_descriptor.hpp"
+#include "experiments/settings/conversion.hpp"
+#include "experiments/settings/validation.hpp"
+#include "lab_data/nearest_name.hpp"
+
+namespace loam::experiments {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// FNV-1a (Fowler, Noll, Vo), 64 bits.
+class Fingerprint {
+  public:
+    void add(std::string_view bytes) {
+        for (const char c : bytes) add_byte(static_cast<unsigned char>(c));
+        add_byte(0);  // so that "ab","c" is not "a","bc"
+    }
+    std::string text() const { return fmt::format("{:016x}", state_); }
+
+  private:
+    void add_byte(unsigned char byte) { state_ = (state_ ^ byte) * 0x100000001b3u; }
+    std::uint64_t state_ = 0xcbf29ce484222325u;
+};
+
+/// A name that is safe as a part of a folder's name.
+std::string as_file_name(std::string name) {
+    for (char& c : name)
+        if (!std::isalnum(static_cast<unsigned char>(c)) && c != '.' && c != '_') c = '-';
+    return name;
+}
+
+/// Replaces each file that is held out by its name in the sample.
+void resolve_hold_out(Draft& draft, const lab_data::Sample& sample) {
+    std::vector<std::string_view> valid;
+    for (const lab_data::Test& test : sample.tests) valid.push_back(test.file);
+    for (std::string& file : draft.settings.hold_out) {
+        // A path to the file is as good as its name.
+        const std::string inside =
+            fs::absolute(file).lexically_normal().lexically_relative(sample.folder).string();
+        if (std::ranges::find(valid, inside) != valid.end()) file = inside;
+        if (std::ranges::find(valid, file) == valid.end())
+            throw fault_at(origin_of(draft.origins, "hold_out"), file,
+                           fmt::format("is not a test of the sample {}", sample.name),
+                           lab_data::suggest_name(file, valid));
+    }
+    if (draft.settings.hold_out.size() == valid.size())
+        throw fault_at(origin_of(draft.origins, "hold_out"), "", "leaves no test to fit", "hold out fewer");
+}
+
+void check_kinds(const Draft& draft, const lab_data::Sample& sample) {
+    for (const std::string& kind : draft.settings.tests)
+        if (std::ranges::none_of(sample.tests,
+                                 [&](const auto& test) { return to_string(test.kind) == kind; }))
+            throw fault_at(origin_of(draft.origins, "tests"), kind,
+                           fmt::format("is not among the tests of the sample {}", sample.name),
+                           "see loam check SAMPLE");
+}
+
+}  // namespace
+
+std::string digest_of_inputs(const lab_data::Sample& sample, const fs::path& packing) {
+    std::vector<fs::path> files;
+    for (const auto& entry : fs::directory_iterator(sample.folder))
+        if (entry.path().extension() == ".toml" || entry.path().extension() == ".csv")
+            files.push_back(entry.path());
+    for (const lab_data::Test& test : sample.tests) files.push_back(sample.folder / test.file);
+    std::ranges::sort(files);
+    files.erase(std::unique(files.begin(), files.end()), files.end());
+    Fingerprint fingerprint;
+    for (const fs::path& file : files) {
+        fingerprint.add(file.lexically_relative(sample.folder).string());
+        fingerprint.add(read_whole_file(file));
+    }
+    if (!packing.empty()) fingerprint.add(read_whole_file(packing));
+    return fingerprint.text();
+}
+
+void resolve_inputs(Draft& draft) {
+    Settings& settings = draft.settings;
+    std::string name = settings.benchmark;
+    if (settings.verb != "bench") {
+        if (settings.sample.empty())
+            throw fault_at({.name = "sample"}, "", "is missing",
+                           fmt::format("name a sample's folder, as in: loam {} lab_data/sets/dobrany_sand",
+                                       settings.verb));
+        // Read by the path as the user wrote it, so that the messages show that.
+        lab_data::Sample sample = lab_data::read_sample(settings.sample);
+        sample.folder = fs::absolute(sample.folder).lexically_normal();
+        settings.sample = fs::weakly_canonical(settings.sample);
+        if (!settings.packing.empty()) settings.packing = fs::weakly_canonical(settings.packing);
+        resolve_hold_out(draft, sample);
+        check_kinds(draft, sample);
+        settings.inputs_digest = digest_of_inputs(sample, settings.packing);
+        name = sample.name;
+    }
+    if (settings.out.empty()) settings.out = fs::path("runs") / as_file_name(settings.verb + "-" + name);
+    settings.out = fs::weakly_canonical(settings.out);
+}
+
+}  // namespace loam::experiments

@@ -1,0 +1,70 @@
+#include "experiments/settings/reading.hpp"
+
+#include "experiments/output/file_descriptor.hpp"
+#include "experiments/settings/conversion.hpp"
+#include "experiments/settings/inputs.hpp"
+#include "experiments/settings/parameters.hpp"
+#include "experiments/settings/validation.hpp"
+
+namespace loam::experiments {
+namespace {
+
+std::string option_name(std::string_view key) {
+    std::string name = "--" + std::string(key);
+    for (char& c : name)
+        if (c == '_') c = '-';
+    return name;
+}
+
+void read_fixed_parameter(Draft& draft, const std::string& text) {
+    const std::size_t sign = text.find('=');
+    if (sign == std::string::npos || sign == 0)
+        throw fault_at({.name = "--set"}, text, "must be NAME=VALUE", "write --set young_modulus=3e8");
+    const std::string parameter = text.substr(0, sign);
+    const Origin origin{.name = "--set " + parameter};
+    const double value = number_of(std::string_view(text).substr(sign + 1), origin);
+    const std::string path = "set." + parameter;
+    const auto before = draft.origins.find(path);
+    if (before != draft.origins.end() && before->second.file.empty())
+        throw fault_at(origin, text.substr(sign + 1), "is there twice", "fix a parameter once");
+    draft.settings.set[parameter] = value;
+    draft.origins[path] = origin;
+}
+
+}  // namespace
+
+void read_override(Draft& draft, const Override& given) {
+    if (given.name == "set") return read_fixed_parameter(draft, given.text);
+    const Field& field = *find_field("", given.name);
+    const bool positional = given.name == "sample" || given.name == "benchmark" || given.name == "verb";
+    const Origin origin{.name = positional ? given.name : option_name(given.name)};
+    assign_text(draft.settings, field, given.text, origin);
+    draft.origins[given.name] = origin;
+}
+
+Settings complete(const Draft& draft) {
+    Settings settings = draft.settings;
+    // An unknown law has no priors to complete; validate() says so.
+    if (engine::find_law(settings.law)) complete_priors(settings, draft);
+    validate(settings, draft.origins);
+    return settings;
+}
+
+Settings read_configuration(const std::filesystem::path& file) {
+    Draft draft;
+    read_toml(draft, read_whole_file(file), file);
+    return complete(draft);
+}
+
+Settings read_settings(std::string_view verb, const std::filesystem::path& configuration,
+                       const std::vector<Override>& overrides) {
+    Draft draft;
+    if (!configuration.empty()) read_toml(draft, read_whole_file(configuration), configuration);
+    read_override(draft, {"verb", std::string(verb)});
+    for (const Override& given : overrides) read_override(draft, given);
+    complete(draft);  // mistakes of the settings show before those of the data
+    resolve_inputs(draft);
+    return complete(draft);
+}
+
+}  // namespace loam::experiments
