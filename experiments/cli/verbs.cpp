@@ -1,0 +1,38 @@
+#include "experiments/cli/verbs.hpp"
+
+#include <array>
+
+#include "experiments/workflows/check.hpp"
+#include "experiments/workflows/effects.hpp"
+#include "experiments/workflows/report.hpp"
+#include "lab_data/user_error.hpp"
+
+namespace loam::experiments {
+namespace {
+
+int explain_test(const PlainArguments&) {
+    throw lab_data::UserError({.column = "test",
+                               .constraint = "is run by the launcher, which builds the tests first",
+                               .remedy = "at the root of the source tree, run ./loam test"});
+}
+
+// clang-format off
+const std::array table{
+    Verb{"check", "is this sample, data set or configuration sound?", "PATH",
+         "folder of a sample or a data set, or a configuration file (.toml)",
+         "loam check lab_data/sets/dobrany_sand", run_check},
+    Verb{"report", "write the report of a run again", "RUN", "folder of the run",
+         "loam report runs/calibrate-dobrany-sand", run_report},
+    Verb{"effects", "list laws and effects with parameters, units, bounds, sources", "", "",
+         "loam effects", run_effects},
+    Verb{"test", "run the test suite (see ./loam test --help)", "", "", "loam test", explain_test},
+};
+// clang-format on
+
+}  // namespace
+
+std::span<const Verb> verbs() {
+    return table;
+}
+
+}  // namespace loam::experiments
