@@ -23,11 +23,7 @@ const Bounds& validated(const Bounds& bounds, const Options& options) {
 GuardedObjective::GuardedObjective(const Objective& objective, const Bounds& bounds, const Vector& start,
                                    const Options& options)
     : objective_(objective), options_(options), box_(validated(bounds, options)) {
-    if (start.size() != bounds.size()) {
-        throw std::invalid_argument("optimizers: start has " + std::to_string(start.size()) +
-                                    " variables, but the bounds have " + std::to_string(bounds.size()));
-    }
-    if (!start.allFinite()) throw std::invalid_argument("optimizers: start is not finite, but it must be");
+    validate_start(start, bounds);
     start_ = box_.to_z(start);
 }
 

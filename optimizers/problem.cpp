@@ -32,6 +32,13 @@ void Bounds::validate() const {
     }
 }
 
+void validate_start(const Vector& start, const Bounds& bounds) {
+    if (start.size() != bounds.size()) refuse("start.size", start.size(), "the number of bounds");
+    for (Eigen::Index i = 0; i < start.size(); ++i) {
+        if (!std::isfinite(start(i))) refuse(indexed("start", i), start(i), "finite");
+    }
+}
+
 Bounds unit_cube(Eigen::Index d) {
     return {Vector::Zero(d), Vector::Ones(d)};
 }

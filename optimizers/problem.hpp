@@ -33,6 +33,9 @@ struct Bounds {
     Vector clamp(const Vector& x) const { return x.cwiseMax(lower).cwiseMin(upper); }
 };
 
+/// Throws std::invalid_argument when start is not of the bounds' size or not finite.
+void validate_start(const Vector& start, const Bounds& bounds);
+
 /// The unit cube in d dimensions.
 Bounds unit_cube(Eigen::Index d);
 

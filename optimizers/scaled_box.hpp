@@ -34,7 +34,10 @@ class ScaledBox {
     /// to z.
     Vector to_x(const Vector& z) const {
         Vector x = bounds_.lower;
-        for (Eigen::Index j = 0; j < size(); ++j) x(free_[static_cast<std::size_t>(j)]) += z(j) * width(j);
+        for (Eigen::Index j = 0; j < size(); ++j) {
+            const Eigen::Index i = free_[static_cast<std::size_t>(j)];
+            x(i) = z(j) < 1 ? x(i) + z(j) * width(j) : bounds_.upper(i);  // rounding must not miss the bound
+        }
         return bounds_.clamp(x);
     }
 
