@@ -14,6 +14,8 @@ namespace loam::lab_data {
 namespace fs = std::filesystem;
 namespace {
 
+constexpr std::size_t most_names = 1000;  // of a folder, to compare with
+
 /// Where the first byte is that is no UTF-8 (RFC 3629), or that text does not contain; npos if there is none.
 std::size_t first_non_text(std::string_view text) {
     const auto byte = [&](std::size_t i) {
@@ -69,20 +71,22 @@ Fault not_text(const fs::path& path, std::string_view text, std::size_t at) {
     return fault;
 }
 
+}  // namespace
+
 std::string missing_file_remedy(const fs::path& path) {
+    const fs::path whole = path.filename().empty() ? path.parent_path() : path;  // without a slash at the end
+    const fs::path parent = whole.parent_path().empty() ? fs::path(".") : whole.parent_path();
     std::vector<std::string> names;
     std::error_code error;
-    for (fs::directory_iterator entry(path.parent_path().empty() ? "." : path.parent_path(), error), end;
-         !error && entry != end && names.size() < 1000; entry.increment(error))
+    for (fs::directory_iterator entry(parent, error), end;
+         !error && entry != end && names.size() < most_names; entry.increment(error))
         names.push_back(entry->path().filename().string());
-    std::sort(names.begin(), names.end());
+    std::ranges::sort(names);
     const std::vector<std::string_view> views(names.begin(), names.end());
-    if (const auto nearest = nearest_name(path.filename().string(), views))
+    if (const auto nearest = nearest_name(whole.filename().string(), views))
         return "did you mean '" + *nearest + "'?";
     return "put it there or correct the name";
 }
-
-}  // namespace
 
 bool is_inside_folder(const std::string& file, const Fault& where, Faults& faults) {
     Fault fault = where;

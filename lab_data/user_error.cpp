@@ -32,22 +32,22 @@ std::string_view kind_of_name(const Fault& fault) {
     return "";
 }
 
+// Appends piece by piece: g++ 12 warns wrongly of overlapping copies for "a" + std::string.
 std::string message(const Fault& fault) {
     std::string text;
     if (!fault.file.empty()) {
         text += shown(fault.file);
-        if (fault.line > 0) text += ":" + std::to_string(fault.line);
-        if (fault.line > 0 && fault.position > 0) text += ":" + std::to_string(fault.position);
+        if (fault.line > 0) text.append(":").append(std::to_string(fault.line));
+        if (fault.line > 0 && fault.position > 0) text.append(":").append(std::to_string(fault.position));
         text += ": ";
     }
     if (!fault.column.empty()) {
-        text += kind_of_name(fault);
-        text += "'" + shown(fault.column) + "'";
+        text.append(kind_of_name(fault)).append("'").append(shown(fault.column)).append("'");
         text += fault.value.empty() ? " " : ": ";
     }
-    if (!fault.value.empty()) text += "value '" + shown(fault.value) + "' ";
+    if (!fault.value.empty()) text.append("value '").append(shown(fault.value)).append("' ");
     text += fault.constraint;
-    if (!fault.remedy.empty()) text += "; " + fault.remedy;
+    if (!fault.remedy.empty()) text.append("; ").append(fault.remedy);
     return text;
 }
 

@@ -1,0 +1,206 @@
+#include "lab_data/curve_checks.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace loam::lab_data {
+namespace {
+
+constexpr double largest_stress = 1e9;      // Pa
+constexpr double least_usual_stress = 1e3;  // Pa: below, the unit is suspect
+constexpr double sign_tolerance = 1e-3;     // strain: a first reading may be slightly negative
+constexpr const char* reverse_sign = "compression is positive: reverse the sign of the column";
+
+const std::string& column_name(const Curve& curve, const std::string& quantity) {
+    return curve.table.header[curve.columns.at(quantity).index];
+}
+
+void check_size(const Curve& curve, const std::string& quantity, double largest,
+                const std::string& constraint, const std::string& remedy) {
+    const auto& values = curve.values(quantity);
+    const auto bad =
+        std::ranges::find_if(values, [&](double value) { return !(std::abs(value) <= largest); });
+    if (bad == values.end()) return;
+    curve.error(static_cast<std::size_t>(bad - values.begin()), quantity, constraint, remedy);
+}
+
+void check_sizes(const Curve& curve) {
+    const std::string one = "is beyond 1, which no strain can be";
+    for (const auto& [quantity, column] : curve.columns) {
+        if (column.unit->dimension == Dimension::stress) {
+            check_size(curve, quantity, largest_stress, "is beyond 1 GPa",
+                       "check the unit in the column's name");
+        } else if (quantity.ends_with("strain") && column.unit->suffix.empty()) {
+            check_size(curve, quantity, 1, one,
+                       "if the column is in percent, name it " + column_name(curve, quantity) + "_percent");
+        } else if (quantity.ends_with("strain")) {
+            check_size(curve, quantity, 1, "is beyond 100 %, which no strain can be", "correct the values");
+        }
+    }
+}
+
+/// Readings at which a column does not rise though it should, but for noise.
+long not_rising(const Curve& curve, const std::string& quantity) {
+    const auto& values = curve.values(quantity);
+    long count = 0;
+    for (std::size_t i = 1; i < values.size(); ++i) {
+        const bool should = curve.test.phase.empty() || curve.test.phase[i] != "unloading";
+        count += should && values[i] <= values[i - 1];
+    }
+    return count;
+}
+
+void warn_not_rising(const Curve& curve, const std::string& quantity) {
+    const long count = not_rising(curve, quantity);
+    if (count > 0)
+        curve.faults.warn(curve.table.file, std::to_string(count) + " of " +
+                                                std::to_string(curve.test.size()) + " readings of " +
+                                                quantity + " do not rise; taken as noise");
+}
+
+/// The column must reach a value above zero somewhere.
+void check_positive_peak(const Curve& curve, const std::string& quantity, const std::string& remedy) {
+    const auto& values = curve.values(quantity);
+    const auto peak = std::ranges::max_element(values);
+    if (*peak <= 0)
+        curve.error(static_cast<std::size_t>(peak - values.begin()), quantity,
+                    "is the largest of its column but not positive", remedy);
+}
+
+/// Stresses rise from stage to stage, and fall while unloading. Where a phase changes, the stage may be
+/// repeated.
+void check_stages(const Curve& curve) {
+    const auto& stress = curve.values("axial_stress");
+    const auto& phase = curve.test.phase;
+    RepeatedFault bad(curve.faults, curve.table.file + ": stages");
+    const auto error = [&](std::size_t row, std::string constraint, std::string remedy) {
+        Fault fault = curve.table.at(row, curve.columns.at("axial_stress").index);
+        fault.constraint = std::move(constraint);
+        fault.remedy = std::move(remedy);
+        bad.error(fault);
+    };
+    for (std::size_t i = 0; i < stress.size(); ++i) {
+        if (stress[i] <= 0) {
+            error(i, "must be above 0",
+                  "compression is positive; leave out a reading without load, and state the "
+                  "seating_stress_kPa");
+        } else if (i == 0) {
+            continue;
+        } else if (phase.empty() && stress[i] <= stress[i - 1]) {
+            error(i, "does not rise above the stress of the reading before",
+                  stress[i] < stress[i - 1]
+                      ? "put the readings into the order of the test, or add a column phase "
+                        "(loading, unloading, reloading) if the specimen was unloaded"
+                      : "keep the last reading of each stage");
+        } else if (!phase.empty()) {
+            const bool falling = phase[i] == "unloading";
+            const bool repeated = stress[i] == stress[i - 1];
+            if (repeated && phase[i] != phase[i - 1]) continue;
+            if (repeated || falling != (stress[i] < stress[i - 1]))
+                error(i, falling ? "does not fall while unloading" : "does not rise while " + phase[i],
+                      repeated ? "keep the last reading of each stage"
+                               : "correct the phase, or the order of the readings");
+        }
+    }
+}
+
+/// Axial strain follows from the void ratio, e = e0 - (1 + e0) strain, which gives away a wrong unit.
+void check_void_ratio(const Curve& curve) {
+    if (!curve.has("void_ratio") || !curve.test.initial_void_ratio) return;
+    const double start = *curve.test.initial_void_ratio;
+    const auto& strain = curve.values("axial_strain");
+    const auto& ratio = curve.values("void_ratio");
+    std::size_t row = 0;
+    const auto expected = [&](std::size_t i) { return (start - ratio[i]) / (1 + start); };
+    for (std::size_t i = 1; i < strain.size(); ++i)
+        if (std::abs(expected(i)) > std::abs(expected(row))) row = i;
+    if (std::abs(expected(row)) < 1e-3) return;
+    const double factor = strain[row] / expected(row);
+    const std::string name = column_name(curve, "axial_strain");
+    if (factor > 50 && factor < 200)
+        curve.error(row, "axial_strain", "is a hundred times what the void ratio gives",
+                    "if the column is in percent, name it axial_strain_percent");
+    else if (factor > 1.0 / 200 && factor < 1.0 / 50)
+        curve.error(row, "axial_strain", "is a hundredth of what the void ratio gives",
+                    "if the column is a ratio, name it axial_strain");
+    else if (std::abs(factor - 1) > 0.2)
+        curve.faults.warn(curve.table.file, name + " and void_ratio do not agree with initial_void_ratio");
+}
+
+void check_oedometer(const Curve& curve) {
+    check_stages(curve);
+    const auto& stress = curve.values("axial_stress");
+    const auto& strain = curve.values("axial_strain");
+    const auto& phase = curve.test.phase;
+    if (!phase.empty() && phase.front() != "loading")
+        curve.error(0, "phase", "cannot be the first phase", "a test begins with loading");
+    if (curve.test.seating_stress && *curve.test.seating_stress > stress.front())
+        curve.error(0, "axial_stress", "is below the stated seating stress",
+                    "lower seating_stress_kPa or leave the reading out");
+    const auto peak = static_cast<std::size_t>(std::ranges::max_element(stress) - stress.begin());
+    if (strain[peak] < -sign_tolerance)
+        curve.error(peak, "axial_strain", "is negative at the highest stress", reverse_sign);
+    if (stress[peak] > 0 && stress[peak] < least_usual_stress)
+        curve.faults.warn(curve.table.file, "the highest axial stress is below 1 kPa; is the unit right?");
+    check_void_ratio(curve);
+    warn_not_rising(curve, "axial_strain");
+    const long loading =
+        phase.empty() ? static_cast<long>(stress.size()) : std::ranges::count(phase, "loading");
+    if (loading < 4)
+        curve.faults.warn(curve.table.file,
+                          "only " + std::to_string(loading) + " loading stages: little can be fitted");
+}
+
+void check_triaxial(const Curve& curve) {
+    const auto& axial = curve.values("axial_strain");
+    const auto& volumetric = curve.values("volumetric_strain");
+    const std::size_t last = axial.size() - 1;
+    if (axial[last] < -sign_tolerance)
+        curve.error(last, "axial_strain", "is negative at the end of the test", reverse_sign);
+    else
+        check_positive_peak(curve, "axial_strain", "give the strain of each reading");
+    check_positive_peak(curve, "deviatoric_stress", reverse_sign);
+    // Isotropic compression contracts by three times the axial strain; no test of this kind does more.
+    if (std::abs(volumetric[last]) > 3 * std::abs(axial[last]) && std::abs(volumetric[last]) > 0.01)
+        curve.faults.warn(curve.table.file,
+                          "volumetric_strain is more than three times axial_strain; are the units right?");
+    warn_not_rising(curve, "axial_strain");
+}
+
+void check_direct_shear(const Curve& curve) {
+    const bool as_strain = curve.has("shear_strain");
+    const std::string displacement = as_strain ? "shear_strain" : "shear_displacement";
+    const std::string unit_remedy = "check the unit in the column's name and the size of the box";
+    if (!as_strain && curve.test.box_length > 0)
+        check_size(curve, displacement, curve.test.box_length, "is beyond the box's length", unit_remedy);
+    if (!curve.has("settlement_strain") && curve.test.box_height > 0)
+        check_size(curve, "settlement", curve.test.box_height, "is beyond the box's height", unit_remedy);
+    const std::string forward = "the first direction of shearing is positive: reverse the sign of the column";
+    check_positive_peak(curve, displacement, forward);
+    check_positive_peak(curve, "shear_stress", forward);
+    warn_not_rising(curve, displacement);
+}
+
+}  // namespace
+
+void Curve::error(std::size_t row, const std::string& quantity, std::string constraint,
+                  std::string remedy) const {
+    Fault fault = table.at(row, columns.at(quantity).index);
+    fault.constraint = std::move(constraint);
+    fault.remedy = std::move(remedy);
+    faults.error(fault);
+}
+
+void check_curve(const Curve& curve) {
+    check_sizes(curve);
+    switch (curve.test.kind) {
+        case TestKind::oedometer:
+            return check_oedometer(curve);
+        case TestKind::triaxial:
+            return check_triaxial(curve);
+        case TestKind::direct_shear:
+            return check_direct_shear(curve);
+    }
+}
+
+}  // namespace loam::lab_data
