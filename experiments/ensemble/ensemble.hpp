@@ -32,14 +32,14 @@ struct EnsembleOptions {
     int jobs = 0;                           // runs at once; 0: one a core
     double seconds_between_progress = 0.2;  // > 0
     // Both are called by the thread that called run_ensemble, at any time, never at once.
-    std::function<void(const EnsembleProgress&)> on_progress;  // at least once, at the end
-    std::function<void(const RunRecord&)> on_record;           // a run of this call is stored: on the disk
+    std::function<void(const EnsembleProgress&)> on_progress = {};  // at least once, at the end
+    std::function<void(const RunRecord&)> on_record = {};  // a run of this call is stored: on the disk
     /// Throws std::invalid_argument.
     void validate() const;
 };
 
 struct EnsembleSummary {
-    std::vector<RunRecord> records;  // one a spec, in the order of the specs
+    std::vector<RunRecord> records = {};  // one a spec, in the order of the specs
     std::size_t reused = 0;
     std::size_t executed = 0;
     std::size_t failed = 0;

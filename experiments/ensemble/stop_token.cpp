@@ -9,8 +9,8 @@ namespace {
 std::atomic<bool> signalled{false};
 static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may only touch lock-free atomics");
 
-constexpr std::array<int, 2> signals{SIGINT, SIGTERM};
-std::array<struct sigaction, 2> former;
+constexpr std::array<int, 3> signals{SIGINT, SIGTERM, SIGXFSZ};
+std::array<struct sigaction, signals.size()> former;
 int depth = 0;
 
 void note_signal(int) {
@@ -29,7 +29,10 @@ SignalScope::SignalScope() {
     // handled even so, because whoever sends it by name means it.
     action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
     sigemptyset(&action.sa_mask);
-    for (std::size_t i = 0; i < signals.size(); ++i) sigaction(signals[i], &action, &former[i]);
+    struct sigaction ignore {};
+    ignore.sa_handler = SIG_IGN;
+    for (std::size_t i = 0; i < signals.size(); ++i)
+        sigaction(signals[i], signals[i] == SIGXFSZ ? &ignore : &action, &former[i]);
 }
 
 SignalScope::~SignalScope() {

@@ -85,7 +85,7 @@ std::string Progress::text(bool with_bar) const {
     if (!with_bar) return title_ + ": " + tail;
 
     // The last column stays free: a character there makes some terminals wrap.
-    const auto columns = static_cast<std::size_t>(std::max(2, options_.columns() - 1));
+    const auto columns = static_cast<std::size_t>(std::max(1, options_.columns() - 1));
     constexpr std::size_t shortest_bar = 8;
     constexpr std::size_t longest_bar = 40;
     const std::size_t taken = title_.size() + tail.size() + 4;  // "title [bar] tail"
