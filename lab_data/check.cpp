@@ -65,6 +65,10 @@ PathKind kind_of(const fs::path& path) {
 CheckReport check(const fs::path& path) {
     CheckReport report;
     report.kind = kind_of(path);
+    if (report.kind == PathKind::other_file)
+        throw UserError({.file = path.string(),
+                         .constraint = "is neither a sample nor a data set",
+                         .remedy = "name the folder of one, or its sample.toml or dataset.toml"});
     Faults faults;
     if (report.kind == PathKind::data_set)
         report_data_set(path, report, faults);

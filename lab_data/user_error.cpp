@@ -32,7 +32,6 @@ std::string_view kind_of_name(const Fault& fault) {
     return "";
 }
 
-// Appends piece by piece: g++ 12 warns wrongly of overlapping copies for "a" + std::string.
 std::string message(const Fault& fault) {
     std::string text;
     if (!fault.file.empty()) {

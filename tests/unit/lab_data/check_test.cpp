@@ -1,0 +1,86 @@
+#include "lab_data/check.hpp"
+
+#include <gtest/gtest.h>
+
+#include "made_sample.hpp"
+
+namespace loam::lab_data {
+namespace {
+
+TEST(Check, TellsWhatAPathIs) {
+    const TemporaryFolder folder;
+    folder.write("a/sample.toml", "");
+    folder.write("b/dataset.toml", "");
+    folder.write("c/sample.toml", "");
+    folder.write("c/dataset.toml", "");
+    folder.write("d/config.toml", "");
+    EXPECT_EQ(kind_of(folder.path() / "a"), PathKind::sample);
+    EXPECT_EQ(kind_of(folder.path() / "a/sample.toml"), PathKind::sample);
+    EXPECT_EQ(kind_of(folder.path() / "b"), PathKind::data_set);
+    EXPECT_EQ(kind_of(folder.path() / "b/dataset.toml"), PathKind::data_set);
+    EXPECT_EQ(kind_of(folder.path() / "d/config.toml"), PathKind::other_file);
+    EXPECT_THROW(kind_of(folder.path() / "c"), UserError);
+    EXPECT_THROW(kind_of(folder.path() / "d"), UserError);
+    EXPECT_THROW(kind_of(folder.path() / "e"), UserError);
+    EXPECT_THROW(check(folder.path() / "d/config.toml"), UserError);
+}
+
+TEST(Check, DescribesASoundSample) {
+    const TemporaryFolder folder;
+    write_all(folder, sound_files());
+    const CheckReport report = check(folder.path());
+    EXPECT_TRUE(report.sound());
+    EXPECT_EQ(report.name, "test-sand");
+    EXPECT_EQ(report.contents, (std::vector<std::string>{"oedometer oedometer.csv: 7 readings",
+                                                         "triaxial triaxial.csv: 5 readings",
+                                                         "direct_shear shear.csv: 4 readings"}));
+    EXPECT_EQ(report.warnings.size(), 1u);
+}
+
+TEST(Check, CollectsAllFaultsInOneGo) {
+    Files files = sound_files();
+    files["sample.toml"] = replaced(files["sample.toml"], "0.8", "-0.8");
+    files["sample.toml"] = replaced(files["sample.toml"], "licence", "license");
+    files["oedometer.csv"] = replaced(files["oedometer.csv"], "0.004", "x");
+    files["oedometer.csv"] = replaced(files["oedometer.csv"], "unloading", "down");
+    files.erase("triaxial.csv");
+    files["shear.csv"] = replaced(files["shear.csv"], "settlement_mm", "height");
+    const TemporaryFolder folder;
+    write_all(folder, files);
+    const CheckReport report = check(folder.path());
+    std::vector<std::string> places;
+    for (const UserError& error : report.errors)
+        places.push_back(std::filesystem::path(error.file()).filename().string() + ":" +
+                         std::to_string(error.line()) + ":" + error.column());
+    EXPECT_EQ(places, (std::vector<std::string>{"sample.toml:0:licence", "sample.toml:3:license",
+                                                "sample.toml:14:initial_void_ratio",
+                                                "oedometer.csv:3:axial_strain", "oedometer.csv:6:phase",
+                                                "triaxial.csv:0:", "shear.csv:1:settlement"}));
+}
+
+TEST(Check, CountsWhatRepeatsItself) {
+    Files files = sound_files();
+    std::string text = "axial_stress_kPa;axial_strain\n";
+    for (int i = 1; i <= 100; ++i) text += std::to_string(i) + ";0,1\n";
+    files["oedometer.csv"] = text;
+    const TemporaryFolder folder;
+    write_all(folder, files);
+    const CheckReport report = check(folder.path());
+    EXPECT_EQ(report.errors.size(), 3u);
+    EXPECT_NE(report.warnings.at(0).find("column 'axial_strain': 97 more errors"), std::string::npos);
+}
+
+TEST(Check, ReportsTheUnreadableSamplesOfADataSet) {
+    const TemporaryFolder folder;
+    folder.write("dataset.toml", "name = \"d\"\nkind = \"oedometer\"\nsource = \"s\"\nlicence = \"l\"\n");
+    folder.write("samples.csv", "sample,file\nA,a.csv\nB,b.csv\n");
+    folder.write("a.csv", "axial_stress_kPa,axial_strain\n15,0.001\n29,0.002\n");
+    const CheckReport report = check(folder.path());
+    EXPECT_EQ(report.contents,
+              (std::vector<std::string>{"oedometer: 1 of 2 samples readable, 0 covariates"}));
+    ASSERT_EQ(report.errors.size(), 1u);
+    EXPECT_EQ(report.errors[0].file(), (folder.path() / "b.csv").string());
+}
+
+}  // namespace
+}  // namespace loam::lab_data

@@ -1,0 +1,120 @@
+#include <gtest/gtest.h>
+
+#include <array>
+#include <string>
+
+#include "lab_data/nearest_name.hpp"
+#include "lab_data/number.hpp"
+#include "lab_data/user_error.hpp"
+
+namespace loam::lab_data {
+namespace {
+
+TEST(EditDistance, CountsTheLeastEdits) {
+    EXPECT_EQ(edit_distance("kitten", "sitting"), 3u);  // Levenshtein's textbook case
+    EXPECT_EQ(edit_distance("", "abc"), 3u);
+    EXPECT_EQ(edit_distance("abc", ""), 3u);
+    EXPECT_EQ(edit_distance("strian", "strain"), 1u);  // one swap of neighbours
+    EXPECT_EQ(edit_distance("ca", "abc"), 3u);         // optimal string alignment, not full Damerau (2)
+    EXPECT_EQ(edit_distance("phase", "phase"), 0u);
+}
+
+constexpr std::array<std::string_view, 4> names{"axial_stress_kPa", "axial_strain", "phase", "void_ratio"};
+
+TEST(NearestName, FindsWhatWasMeant) {
+    EXPECT_EQ(nearest_name("axial_strian", names), "axial_strain");
+    EXPECT_EQ(nearest_name("Axial-Stress kpa", names), "axial_stress_kPa");
+    EXPECT_EQ(nearest_name("phase", names), "phase");
+}
+
+TEST(NearestName, GivesNothingForWhatIsTooFar) {
+    EXPECT_EQ(nearest_name("temperature", names), std::nullopt);
+    EXPECT_EQ(nearest_name("p", names), std::nullopt);
+    EXPECT_EQ(nearest_name("", names), std::nullopt);
+    EXPECT_EQ(nearest_name(std::string(100000, 'x'), names), std::nullopt);
+    EXPECT_EQ(nearest_name("phase", {}), std::nullopt);
+}
+
+TEST(NearestName, SuggestsOneOrListsAll) {
+    EXPECT_EQ(suggest_name("phse", names), "did you mean 'phase'?");
+    EXPECT_EQ(suggest_name("xyz", std::array<std::string_view, 2>{"a", "b"}), "use one of a, b");
+}
+
+TEST(ParseNumber, ReadsDecimalNumbers) {
+    EXPECT_EQ(parse_number("12.5"), 12.5);
+    EXPECT_EQ(parse_number(" +3e2\t"), 300.0);
+    EXPECT_EQ(parse_number("-0.5E-1"), -0.05);
+    EXPECT_EQ(parse_number(".5"), 0.5);
+    EXPECT_EQ(parse_number("5."), 5.0);
+    EXPECT_EQ(parse_number("007"), 7.0);
+}
+
+TEST(ParseNumber, RefusesEverythingElse) {
+    for (const char* text : {"",
+                             " ",
+                             "12,5",
+                             "1 2",
+                             "0x10",
+                             "inf",
+                             "-inf",
+                             "nan",
+                             "1e999",
+                             "--1",
+                             "+-1",
+                             "1e",
+                             "e5",
+                             ".",
+                             "-",
+                             "+",
+                             "5 kPa",
+                             "5%",
+                             "1.2.3",
+                             "true",
+                             "\xe2\x88\x92"
+                             "5"})
+        EXPECT_EQ(parse_number(text), std::nullopt) << text;
+}
+
+TEST(NumberRemedy, SaysWhatToWrite) {
+    const auto has = [](const char* text, const char* words) {
+        EXPECT_NE(number_remedy(text).find(words), std::string::npos) << text << ": " << number_remedy(text);
+    };
+    has("12,5", "write 12.5");
+    has("1,234,567", "write 1234567");
+    has("1 234", "write 1234");
+    has("\xe2\x88\x92"
+        "5",
+        "write -5");
+    has("5%", "_percent");
+    has("5 kPa", "write 5");
+    has("#DIV/0!", "spreadsheet");
+    has("n/a", "leave the whole row out");
+    has("abc", "0.0125");
+}
+
+TEST(UserError, PutsTheMessageTogether) {
+    const UserError error({.file = "x/oedometer.csv",
+                           .line = 7,
+                           .column = "axial_strain",
+                           .value = "12,5",
+                           .constraint = "must be a number",
+                           .remedy = "write 12.5"});
+    EXPECT_STREQ(error.what(),
+                 "x/oedometer.csv:7: column 'axial_strain': value '12,5' must be a number; write 12.5");
+    EXPECT_EQ(error.line(), 7);
+    EXPECT_EQ(error.remedy(), "write 12.5");
+    const UserError missing({.file = "sample.toml", .column = "name", .constraint = "is missing"});
+    EXPECT_STREQ(missing.what(), "sample.toml: key 'name' is missing");
+    const UserError option({.column = "--runs", .value = "-1", .constraint = "must be positive"});
+    EXPECT_STREQ(option.what(), "option '--runs': value '-1' must be positive");
+}
+
+TEST(UserError, ShowsHostileValuesHarmlessly) {
+    const UserError error({.value = "\x1b[31m" + std::string(1000, 'x'), .constraint = "is odd"});
+    const std::string text = error.what();
+    EXPECT_NE(text.find("\\x1b[31m"), std::string::npos);
+    EXPECT_LT(text.size(), 120u);
+}
+
+}  // namespace
+}  // namespace loam::lab_data
