@@ -25,11 +25,9 @@ struct FromText {
             throw fault_at(origin, std::string(text), "must be true or false", "");
         *slot = text == "true";
     }
-    void operator()(int* slot) const {
-        *slot = static_cast<int>(within_limits(integer_of(text, origin), field, origin));
-    }
+    void operator()(int* slot) const { *slot = fitted<int>(integer_of(text, origin), field, origin); }
     void operator()(std::uint64_t* slot) const {
-        *slot = static_cast<std::uint64_t>(within_limits(integer_of(text, origin), field, origin));
+        *slot = fitted<std::uint64_t>(integer_of(text, origin), field, origin);
     }
     void operator()(double* slot) const { *slot = number_of(text, origin); }
     void operator()(std::optional<double>* slot) const { *slot = number_of(text, origin); }
@@ -81,12 +79,6 @@ std::vector<std::string> list_of(std::string_view text, const Origin& origin) {
         start = comma + 1;
     }
     return items;
-}
-
-std::int64_t within_limits(std::int64_t value, const Field& field, const Origin& origin) {
-    if (!field.limits.contain(static_cast<double>(value)))
-        throw fault_at(origin, std::to_string(value), field.limits.text(), "");
-    return value;
 }
 
 void assign_text(Settings& settings, const Field& field, std::string_view text, const Origin& origin) {

@@ -4,6 +4,7 @@
 
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "experiments/settings/fields.hpp"
@@ -25,8 +26,14 @@ std::int64_t integer_of(std::string_view text, const Origin& origin);
 /// "a,b" as {a, b}; an empty item is a mistake. Throws UserError.
 std::vector<std::string> list_of(std::string_view text, const Origin& origin);
 
-/// `value` if the setting may have it and its type can hold it. Throws UserError.
-std::int64_t within_limits(std::int64_t value, const Field& field, const Origin& origin);
+/// `value` as the type of a setting's slot; one that does not fit breaks the setting's limits. Throws
+/// UserError.
+template <class Integer>
+Integer fitted(std::int64_t value, const Field& field, const Origin& origin) {
+    if (!std::in_range<Integer>(value))
+        throw fault_at(origin, std::to_string(value), field.limits.text(), "");
+    return static_cast<Integer>(value);
+}
 
 /// Sets the field from the text of an option. Throws UserError.
 void assign_text(Settings& settings, const Field& field, std::string_view text, const Origin& origin);

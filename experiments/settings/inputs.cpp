@@ -101,7 +101,7 @@ void resolve_inputs(Draft& draft) {
         name = sample.name;
     }
     if (settings.out.empty()) settings.out = fs::path("runs") / as_file_name(settings.verb + "-" + name);
-    settings.out = fs::weakly_canonical(settings.out);
+    settings.out = fs::weakly_canonical(fs::absolute(settings.out));
 }
 
 }  // namespace loam::experiments

@@ -40,10 +40,10 @@ struct FromToml {
     }
     std::int64_t integer() const {
         if (!node.is_integer()) throw wrong_type("must be an integer");
-        return within_limits(**node.as_integer(), field, origin);
+        return **node.as_integer();
     }
-    void operator()(int* slot) const { *slot = static_cast<int>(integer()); }
-    void operator()(std::uint64_t* slot) const { *slot = static_cast<std::uint64_t>(integer()); }
+    void operator()(int* slot) const { *slot = fitted<int>(integer(), field, origin); }
+    void operator()(std::uint64_t* slot) const { *slot = fitted<std::uint64_t>(integer(), field, origin); }
     void operator()(double* slot) const {
         const auto value = node.value<double>();
         if (!value || !node.is_number()) throw wrong_type("must be a number");

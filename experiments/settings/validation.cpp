@@ -19,7 +19,7 @@ struct CheckSlot {
 
     void operator()(const bool*) const {}
     void operator()(const std::filesystem::path*) const {}
-    void operator()(const int* slot) const { within_limits(*slot, field, origin); }
+    void operator()(const int* slot) const { number(*slot); }
     void operator()(const std::uint64_t* slot) const { number(static_cast<double>(*slot)); }
     void operator()(const double* slot) const { number(*slot); }
     void operator()(const std::optional<double>* slot) const {

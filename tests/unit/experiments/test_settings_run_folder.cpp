@@ -1,0 +1,140 @@
+// What a run reads (sample, packing) and where it writes: resolved names, the digest, the run folder.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "experiments/settings/reading.hpp"
+#include "experiments/settings/run_folder.hpp"
+#include "experiments/settings/writing.hpp"
+#include "lab_data/user_error.hpp"
+
+namespace loam::experiments {
+namespace {
+
+namespace fs = std::filesystem;
+using lab_data::UserError;
+
+const fs::path sand = fs::path(LOAM_SOURCE_DIR) / "lab_data/sets/dobrany_sand";
+
+class InFolder : public testing::Test {
+  protected:
+    void SetUp() override {
+        std::string name = (fs::temp_directory_path() / "loam-settings-XXXXXX").string();
+        ASSERT_NE(::mkdtemp(name.data()), nullptr);
+        folder = name;
+    }
+    void TearDown() override { fs::remove_all(folder); }
+
+    Settings settings(std::vector<Override> more = {}) const {
+        std::vector<Override> given{{"sample", sand.string()}, {"out", (folder / "run").string()}};
+        given.insert(given.end(), more.begin(), more.end());
+        return read_settings("calibrate", "", given);
+    }
+
+    static std::string complaint_of(const auto& action) {
+        try {
+            action();
+        } catch (const UserError& error) {
+            return error.what();
+        }
+        return "";
+    }
+
+    fs::path folder;
+};
+
+TEST_F(InFolder, TheRunIsNamedAfterVerbAndSample) {
+    const Settings found = read_settings("calibrate", "", {{"sample", sand.string()}});
+    EXPECT_EQ(found.out, fs::current_path() / "runs/calibrate-dobrany-sand");
+    EXPECT_EQ(found.sample, fs::canonical(sand));
+}
+
+TEST_F(InFolder, AMissingSampleIsTheUsersFault) {
+    EXPECT_NE(complaint_of([] { read_settings("calibrate", "", {}); }).find("'sample' is missing"),
+              std::string::npos);
+    EXPECT_THROW(read_settings("calibrate", "", {{"sample", (folder / "nothing").string()}}), UserError);
+}
+
+TEST_F(InFolder, HeldOutTestsAreNamedByFileOrPath) {
+    const std::string file = "triaxial_drained_200kPa.csv";
+    EXPECT_EQ(settings({{"hold_out", file}}).hold_out, std::vector{file});
+    EXPECT_EQ(settings({{"hold_out", (sand / file).string()}}).hold_out, std::vector{file});
+    const std::string said = complaint_of([&] { settings({{"hold_out", "triaxial_drained_20kPa.csv"}}); });
+    EXPECT_NE(said.find("is not a test of the sample dobrany-sand; did you mean"), std::string::npos) << said;
+}
+
+TEST_F(InFolder, AKindThatTheSampleLacksIsRefused) {
+    const std::string said = complaint_of([&] { settings({{"tests", "direct_shear"}}); });
+    EXPECT_NE(
+        said.find("option '--tests': value 'direct_shear' is not among the tests of the sample dobrany-sand"),
+        std::string::npos)
+        << said;
+}
+
+TEST_F(InFolder, TheDigestFollowsTheData) {
+    const fs::path copy = folder / "copy";
+    fs::copy(sand, copy);
+    const auto digest = [&](const fs::path& sample) {
+        return settings({{"sample", sample.string()}}).inputs_digest;
+    };
+    EXPECT_EQ(digest(copy), digest(sand));  // wherever it lies
+    std::ofstream(copy / "oedometer_1.csv", std::ios::app) << "\n";
+    EXPECT_NE(digest(copy), digest(sand));
+}
+
+TEST_F(InFolder, ThePackingIsPartOfTheDigest) {
+    std::ofstream(folder / "packing.csv") << "# periodic cell x,y,z in m: 1,1,1\n";
+    EXPECT_NE(settings({{"packing", (folder / "packing.csv").string()}}).inputs_digest,
+              settings().inputs_digest);
+    EXPECT_THROW(settings({{"packing", (folder / "absent.csv").string()}}), UserError);
+}
+
+TEST_F(InFolder, AConfigurationCanStandForTheCommandLine) {
+    const Settings first = settings({{"particles", "321"}});
+    { const RunFolder run(first); }
+    EXPECT_EQ(read_settings("calibrate", folder / "run/config.toml", {}), first);
+}
+
+TEST_F(InFolder, TheSameSettingsContinueARun) {
+    const Settings given = settings();
+    {
+        const RunFolder run(given);
+        EXPECT_FALSE(run.resumed());
+        EXPECT_EQ(read_configuration(run.file("config.toml")), given);
+    }
+    Settings again = given;
+    again.jobs = 1;
+    EXPECT_TRUE(RunFolder(again).resumed());
+}
+
+TEST_F(InFolder, OtherSettingsDoNot) {
+    { const RunFolder run(settings()); }
+    const std::string said = complaint_of([&] { RunFolder{settings({{"seed", "2"}})}; });
+    EXPECT_NE(said.find("key 'seed' is 1 in the run stored there and 2 now"), std::string::npos) << said;
+    EXPECT_NE(said.find("give another --out"), std::string::npos) << said;
+    Settings other_data = settings();
+    other_data.inputs_digest = "0";
+    EXPECT_NE(complaint_of([&] { RunFolder{other_data}; }).find("other data"), std::string::npos);
+}
+
+TEST_F(InFolder, OneProcessAtATime) {
+    const RunFolder run(settings());
+    EXPECT_NE(complaint_of([&] { RunFolder{settings()}; }).find("in use by another loam"), std::string::npos);
+}
+
+TEST_F(InFolder, AFolderOfSomethingElseIsLeftAlone) {
+    fs::create_directory(folder / "run");
+    std::ofstream(folder / "run/thesis.tex") << "x";
+    EXPECT_NE(complaint_of([&] { RunFolder{settings()}; }).find("not the folder of a run"),
+              std::string::npos);
+    EXPECT_FALSE(fs::exists(folder / "run/config.toml"));
+}
+
+TEST_F(InFolder, AFileInTheWayIsTheUsersFault) {
+    std::ofstream(folder / "run") << "x";
+    EXPECT_THROW(RunFolder{settings()}, UserError);
+}
+
+}  // namespace
+}  // namespace loam::experiments
