@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "experiments/settings/fields.hpp"
+#include "experiments/settings/writing.hpp"
 #include "lab_data/nearest_name.hpp"
 #include "lab_data/user_error.hpp"
 
@@ -44,6 +45,14 @@ std::string option_name(std::string_view key) {
     return name;
 }
 
+/// "particles in a specimen (default 700)"; names of files and lists say themselves what is done without
+/// them.
+std::string meaning_with_default(const Field& field) {
+    const std::string value = value_text(Settings{}, field.path());
+    const bool is_said = field.option == "flag" || value == "\"\"" || value == "[]";
+    return is_said ? std::string(field.meaning) : fmt::format("{} (default {})", field.meaning, value);
+}
+
 bool takes_settings(const Verb& verb) {
     return std::holds_alternative<RunWithSettings>(verb.run);
 }
@@ -54,9 +63,8 @@ class VerbParser {
     explicit VerbParser(const Verb& verb)
         : verb_(verb), app_(std::string(verb.meaning), fmt::format("loam {}", verb.name)) {
         if (!verb.argument.empty())
-            app_.add_option("argument", argument_, std::string(verb.argument_meaning))
-                ->type_name(std::string(verb.argument))
-                ->option_text(std::string(verb.argument));
+            app_.add_option(std::string(verb.argument), argument_, std::string(verb.argument_meaning))
+                ->option_text(" ");
         if (takes_settings(verb))
             add_settings();
         else
@@ -91,7 +99,7 @@ class VerbParser {
         app_.add_option("--config", configuration_, "settings to start from")->type_name("FILE.toml");
         for (const Field& field : fields()) {
             if (field.option.empty()) continue;
-            const std::string meaning(field.meaning);
+            const std::string meaning = meaning_with_default(field);
             if (field.option == "flag")
                 app_.add_flag(option_name(field.key), flags_[field.key], meaning);
             else
