@@ -21,12 +21,12 @@ struct PriorInfo {
 };
 
 struct ParameterInfo {
-    std::string_view name;      // the field's standard name
+    std::string_view name;    // the field's standard name
     std::string_view symbol;  // as a paper writes it
     std::string_view unit;    // SI; "1" for a ratio
     double lower;             // valid range, inclusive, SI
     double upper;
-    PriorInfo prior;          // default prior when the parameter is fitted
+    PriorInfo prior;  // default prior when the parameter is fitted
     std::string_view meaning;
     std::string_view source;
 };

@@ -1,0 +1,84 @@
+// Eight doubles as one value, by the compilers' vector extension: the same source becomes AVX-512, AVX2 or
+// SSE2 code, as the flags of the including file say. Everything is static, so that no version leaks into
+// another.
+#pragma once
+
+#if defined(__AVX512F__)
+#include <immintrin.h>
+#endif
+
+namespace loam::engine {
+namespace {
+
+typedef double v8 __attribute__((vector_size(64)));
+typedef long long m8 __attribute__((vector_size(64)));
+typedef double v4 __attribute__((vector_size(32)));
+
+#define LOAM_INLINE static inline __attribute__((always_inline))
+
+LOAM_INLINE v8 load8(const double* p) {
+    return *reinterpret_cast<const v8*>(p);
+}
+LOAM_INLINE void store8(double* p, v8 a) {
+    *reinterpret_cast<v8*>(p) = a;
+}
+LOAM_INLINE v8 splat(double a) {
+    return v8{a, a, a, a, a, a, a, a};
+}
+LOAM_INLINE v8 choose(m8 mask, v8 a, v8 b) {
+    return mask ? a : b;
+}
+LOAM_INLINE v8 max8(v8 a, v8 b) {
+    return a > b ? a : b;
+}
+LOAM_INLINE v8 min8(v8 a, v8 b) {
+    return a < b ? a : b;
+}
+
+LOAM_INLINE bool any(m8 m) {
+#if defined(__AVX512F__)
+    return _mm512_test_epi64_mask(reinterpret_cast<__m512i>(m), reinterpret_cast<__m512i>(m)) != 0;
+#else
+    return (m[0] | m[1] | m[2] | m[3] | m[4] | m[5] | m[6] | m[7]) != 0;
+#endif
+}
+
+/// 1/sqrt(a), to within 2 units in the last place; a must be positive and normal.
+LOAM_INLINE v8 inverse_sqrt(v8 a) {
+#if defined(__AVX512F__)
+    // 14-bit estimate, then two Newton steps: much faster than a square root and a division.
+    v8 y = reinterpret_cast<v8>(_mm512_maskz_rsqrt14_pd(0xff, reinterpret_cast<__m512d>(a)));
+    const v8 half = a * 0.5;
+    y = y * (1.5 - half * y * y);
+    return y * (1.5 - half * y * y);
+#else
+    v8 y;
+    for (int k = 0; k < 8; ++k) y[k] = 1.0 / __builtin_sqrt(a[k]);
+    return y;
+#endif
+}
+
+LOAM_INLINE double sum(v8 a) {
+    return ((a[0] + a[1]) + (a[2] + a[3])) + ((a[4] + a[5]) + (a[6] + a[7]));
+}
+
+/// Transposes eight rows in place: r[k][l] becomes r[l][k]. Unused results cost nothing once inlined.
+LOAM_INLINE void transpose(v8 (&r)[8]) {
+    v8 t[8], u[8];
+    for (int k = 0; k < 8; k += 2) {
+        t[k] = __builtin_shufflevector(r[k], r[k + 1], 0, 8, 2, 10, 4, 12, 6, 14);
+        t[k + 1] = __builtin_shufflevector(r[k], r[k + 1], 1, 9, 3, 11, 5, 13, 7, 15);
+    }
+    for (int k = 0; k < 8; k += 4)
+        for (int l = 0; l < 2; ++l) {
+            u[k + l] = __builtin_shufflevector(t[k + l], t[k + l + 2], 0, 1, 8, 9, 4, 5, 12, 13);
+            u[k + l + 2] = __builtin_shufflevector(t[k + l], t[k + l + 2], 2, 3, 10, 11, 6, 7, 14, 15);
+        }
+    for (int l = 0; l < 4; ++l) {
+        r[l] = __builtin_shufflevector(u[l], u[l + 4], 0, 1, 2, 3, 8, 9, 10, 11);
+        r[l + 4] = __builtin_shufflevector(u[l], u[l + 4], 4, 5, 6, 7, 12, 13, 14, 15);
+    }
+}
+
+}  // namespace
+}  // namespace loam::engine

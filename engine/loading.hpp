@@ -1,0 +1,45 @@
+// Loading of a periodic cell: stress servo and quasi-static strain rates.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <functional>
+
+#include "engine/simulation.hpp"
+
+namespace loam::engine {
+
+/// Strain rate (1/s) at which a packing of grains d (m) and density rho (kg/m³) under mean stress p (Pa) has
+/// the inertial number I = rate · d · sqrt(rho / p) (GDR MiDi 2004).
+double rate_for_inertial_number(double inertial_number, double mean_stress, double mean_diameter,
+                                double grain_density);
+
+/// The inertial number of that rate.
+double inertial_number(double rate, double mean_stress, double mean_diameter, double grain_density);
+
+struct ServoOptions {
+    double inertial_number = 1e-3;   // limit of the strain rate of each axis
+    double stress_tolerance = 0.01;  // relative, every axis
+    double unbalanced_ratio = 0.01;  // at rest below this
+    double relaxation_steps = 60;    // time constant of the servo, in steps, for the affine stiffness
+    int measure_every = 5;           // steps
+    std::uint64_t max_steps = 2'000'000;
+};
+
+struct ServoSummary {
+    bool converged = false;
+    std::uint64_t steps = 0;
+    double stress_error = 0;  // largest relative error of an axis at the end
+    double unbalanced_ratio = 0;
+};
+
+/// Sets the velocity gradient of one stretch of `options.measure_every` steps so that the three normal
+/// stresses approach `target` (Pa) and shear rates are zero; call between stretches.
+void servo_rates(Simulation& simulation, const Eigen::Vector3d& target, const ServoOptions& options);
+
+/// Brings the packing to the isotropic stress (Pa) and to rest. `cancelled` is polled; a true answer throws
+/// std::runtime_error. Not converging within max_steps is reported, not thrown.
+ServoSummary consolidate(Simulation& simulation, double stress, const ServoOptions& options,
+                         const std::function<bool()>& cancelled = {});
+
+}  // namespace loam::engine

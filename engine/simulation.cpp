@@ -1,0 +1,268 @@
+#include "engine/simulation.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "engine/kernel/kernel.hpp"
+#include "engine/neighbours.hpp"
+
+namespace loam::engine {
+namespace {
+
+constexpr double pi = 3.14159265358979323846;
+
+void require(bool ok, const char* field, double value, const char* constraint) {
+    if (!ok)
+        throw std::invalid_argument(std::string(field) + " = " + std::to_string(value) + ": must be " +
+                                    constraint);
+}
+
+void to_row_major(const Eigen::Matrix3d& m, double (&out)[9]) {
+    for (int p = 0; p < 3; ++p)
+        for (int q = 0; q < 3; ++q) out[3 * p + q] = m(p, q);
+}
+
+}  // namespace
+
+void LinearCohesive::validate() const {
+    require(std::isfinite(young_modulus) && young_modulus > 0, "young_modulus", young_modulus,
+            "a positive number (Pa)");
+    require(stiffness_ratio >= 0 && stiffness_ratio <= 2, "stiffness_ratio", stiffness_ratio, "within 0..2");
+    require(friction_angle >= 0 && friction_angle < 0.5 * pi, "friction_angle", friction_angle,
+            "within 0..pi/2 (rad)");
+    require(std::isfinite(normal_cohesion) && normal_cohesion >= 0, "normal_cohesion", normal_cohesion,
+            ">= 0 (Pa)");
+    require(std::isfinite(shear_cohesion) && shear_cohesion >= 0, "shear_cohesion", shear_cohesion,
+            ">= 0 (Pa)");
+    require(interaction_range >= 1 && interaction_range <= 2, "interaction_range", interaction_range,
+            "within 1..2");
+}
+
+void SimulationOptions::validate() const {
+    require(damping >= 0 && damping < 1, "damping", damping, "within 0..1 (below 1)");
+    require(std::isfinite(grain_density) && grain_density > 0, "grain_density", grain_density,
+            "positive (kg/m3)");
+    require(time_step_safety > 0 && time_step_safety <= 1.5, "time_step_safety", time_step_safety,
+            "within 0..1.5");
+    require(neighbour_skin > 0 && neighbour_skin <= 0.5, "neighbour_skin", neighbour_skin, "within 0..0.5");
+}
+
+double EnergyBalance::error() const {
+    const double change = stored - stored_start;
+    const double scale = std::abs(work) + std::abs(sliding) + std::abs(damping) + std::abs(change);
+    return scale > 0 ? std::abs(work - sliding - damping - change) / scale : 0.0;
+}
+
+Simulation::Simulation(const Packing& packing, const LinearCohesive& law, const SimulationOptions& options)
+    : law_(law), options_(options), kernel_(select_kernel()), cell_(packing.cell) {
+    validate(packing);
+    law.validate();
+    options.validate();
+    count_ = static_cast<std::size_t>(packing.radii.size());
+    particles_.resize(count_ + 2);  // and two dummies, which fill the last block of pairs
+    forces_.assign(count_ + 2, ForceRow{});
+    if (options_.free_rotation) spins_.assign(count_ + 2, SpinRow{});
+    double smallest = packing.radii[0], largest = smallest, sum = 0;
+    for (std::size_t p = 0; p < count_; ++p) {
+        const auto at = static_cast<Eigen::Index>(p);
+        const double r = packing.radii[at], volume = 4.0 / 3.0 * pi * r * r * r,
+                     mass = volume * options_.grain_density;
+        const Eigen::Vector3d x = packing.centres.col(at);
+        particles_[p] = {{x.x(), x.y(), x.z()}, r, {0, 0, 0}, 1.0 / mass};
+        if (options_.free_rotation) spins_[p].inverse_inertia = 2.5 / (mass * r * r);
+        solid_volume_ += volume;
+        sum += r;
+        smallest = std::min(smallest, r);
+        largest = std::max(largest, r);
+    }
+    particles_[count_] = {{0, 0, 0}, 0, {0, 0, 0}, 0};
+    particles_[count_ + 1] = {{1, 0, 0}, 0, {0, 0, 0}, 0};
+    mean_diameter_ = 2 * sum / static_cast<double>(count_);
+    smallest_diameter_ = 2 * smallest;
+    largest_diameter_ = 2 * largest;
+    dt_ = options_.time_step_safety * smallest * std::sqrt(options_.grain_density / law_.young_modulus);
+    drift_since_check_ = 1e300;  // forces the first rebuild
+}
+
+void Simulation::set_law(const LinearCohesive& law) {
+    law.validate();
+    require(law.young_modulus == law_.young_modulus, "young_modulus", law.young_modulus,
+            "the one the time step was made for");
+    law_ = law;
+}
+
+double Simulation::volume() const {
+    return cell_.determinant();
+}
+
+const Measurement& Simulation::advance(int steps) {
+    for (int k = 1; k < steps; ++k) step(options_.energy_balance);
+    step(true);
+    const double speed = measured_.kinetic_energy;
+    if (!std::isfinite(measured_.mean_stress) || !std::isfinite(speed))
+        throw std::runtime_error(
+            "the simulation is numerically broken: stress or velocity is not a finite number");
+    if (measured_.max_overlap > 0.5)
+        throw std::runtime_error(
+            "particles overlap by more than half of their size: the contacts are too soft");
+    return measured_;
+}
+
+void Simulation::step(bool measure) {
+    ContactSums contacts{};
+    IntegrateSums motion{};
+    update_neighbours();
+    contact_forces(measure ? &contacts : nullptr);
+    integrate(motion, measure);
+    if (measure) record(contacts, motion);
+    deform_cell();
+    drift_since_check_ += dt_ * (2 * std::sqrt(motion.max_speed_squared) / smallest_diameter_ +
+                                 gradient_.norm() * (1 + options_.neighbour_skin));
+    ++steps_;
+}
+
+/// Pairs outside of the list were farther apart than the skin when it was built. Relative motion since then
+/// is bounded by the speeds at every step; when the bound reaches the skin the true motion is computed, and
+/// the list rebuilt if due.
+void Simulation::update_neighbours() {
+    const double skin = options_.neighbour_skin;
+    if (drift_confirmed_ + drift_since_check_ < skin) return;
+    if (built_at_.size() == count_ && drift_since_check_ < 1e299) {
+        double largest = 0;
+        for (std::size_t p = 0; p < count_; ++p) {
+            const Eigen::Vector3d x(particles_[p].x[0], particles_[p].x[1], particles_[p].x[2]);
+            largest = std::max(largest, (x - cell_ * built_at_[p]).squaredNorm());
+        }
+        const Eigen::Matrix3d deformation = cell_ * built_cell_.inverse() - Eigen::Matrix3d::Identity();
+        drift_confirmed_ = 2 * std::sqrt(largest) / smallest_diameter_ + deformation.norm() * (1 + skin);
+        drift_since_check_ = 0;
+        if (drift_confirmed_ < 0.7 * skin) return;
+    }
+    rebuild_pairs(pairs_, particles_, count_, cell_, skin);
+    const Eigen::Matrix3d inverse = cell_.inverse();
+    built_at_.resize(count_);
+    for (std::size_t p = 0; p < count_; ++p)
+        built_at_[p] = inverse * Eigen::Vector3d(particles_[p].x[0], particles_[p].x[1], particles_[p].x[2]);
+    built_cell_ = cell_;
+    drift_confirmed_ = drift_since_check_ = 0;
+    ++rebuilds_;
+}
+
+void Simulation::contact_forces(ContactSums* sums) {
+    alignas(64) double shifts[image_count][8] = {};
+    for (int n = 0; n < image_count; ++n) {
+        const Eigen::Vector3d s = cell_ * Eigen::Vector3d(n / 9 - 1, (n / 3) % 3 - 1, n % 3 - 1);
+        for (int k = 0; k < 3; ++k) shifts[n][k] = s[k];
+    }
+    ContactArguments a{};
+    a.particles = particles_.data();
+    a.spins = spins_.data();
+    a.forces = forces_.data();
+    a.shifts = &shifts[0][0];
+    a.padded_pairs = pairs_.padded();
+    a.i = pairs_.i.data();
+    a.j = pairs_.j.data();
+    a.image = pairs_.image.data();
+    a.radius_sum = pairs_.radius_sum.data();
+    a.stiffness_length = pairs_.stiffness_length.data();
+    a.area = pairs_.area.data();
+    a.shear_x = pairs_.shear[0].data();
+    a.shear_y = pairs_.shear[1].data();
+    a.shear_z = pairs_.shear[2].data();
+    a.bond = pairs_.bond.data();
+    to_row_major(gradient_, a.velocity_gradient);
+    a.dt = dt_;
+    a.normal_modulus = 2 * law_.young_modulus;
+    a.stiffness_ratio = law_.stiffness_ratio;
+    a.friction_coefficient = std::tan(law_.friction_angle);
+    a.normal_cohesion = law_.normal_cohesion;
+    a.shear_cohesion = law_.shear_cohesion;
+    a.tension_range = law_.interaction_range - 1;
+    a.fragile = law_.fragile;
+    if (options_.free_rotation) {
+        if (sums)
+            kernel_.contacts_rotation_measured(a, *sums);
+        else
+            kernel_.contacts_rotation(a);
+    } else if (sums) {
+        kernel_.contacts_measured(a, *sums);
+    } else {
+        kernel_.contacts(a);
+    }
+}
+
+void Simulation::integrate(IntegrateSums& sums, bool measure) {
+    IntegrateArguments a{};
+    a.particles = particles_.data();
+    a.spins = options_.free_rotation ? spins_.data() : nullptr;
+    a.forces = forces_.data();
+    a.count = count_;
+    to_row_major(gradient_, a.velocity_gradient);
+    a.dt = dt_;
+    a.damping = options_.damping;
+    (measure ? kernel_.integrate_measured : kernel_.integrate)(a, sums);
+}
+
+void Simulation::deform_cell() {
+    cell_ += dt_ * (gradient_ * cell_);
+}
+
+void Simulation::record(const ContactSums& contacts, const IntegrateSums& motion) {
+    const double v = volume(), n = static_cast<double>(count_);
+    for (int p = 0; p < 3; ++p)
+        for (int q = 0; q < 3; ++q) measured_.stress(p, q) = contacts.stress[3 * p + q] / v;
+    measured_.mean_stress = measured_.stress.trace() / 3;
+    measured_.contacts = contacts.contacts;
+    measured_.coordination_number = 2 * contacts.contacts / n;
+    const double mean_contact = contacts.contacts > 0 ? contacts.normal_force / contacts.contacts : 0;
+    measured_.unbalanced_ratio = mean_contact > 0 ? motion.force_norm / n / mean_contact : 1.0;
+    measured_.max_overlap = contacts.max_overlap;
+    measured_.affine_stiffness = contacts.stiffness_sum / (9 * v);
+    measured_.elastic_energy = contacts.elastic_energy;
+    measured_.kinetic_energy = motion.kinetic_energy;
+    if (!options_.energy_balance) return;
+    energy_.stored = contacts.elastic_energy + motion.kinetic_energy;
+    if (steps_ == 0) energy_.stored_start = energy_.stored;
+    energy_.work -= dt_ * v * measured_.stress.cwiseProduct(gradient_).sum();
+    energy_.sliding += contacts.dissipation;
+    energy_.damping += motion.dissipation;
+}
+
+Packing Simulation::packing() const {
+    Packing out;
+    out.cell = cell_;
+    out.centres.resize(3, static_cast<Eigen::Index>(count_));
+    out.radii.resize(static_cast<Eigen::Index>(count_));
+    const Eigen::Matrix3d inverse = cell_.inverse();
+    for (std::size_t p = 0; p < count_; ++p) {
+        const auto at = static_cast<Eigen::Index>(p);
+        Eigen::Vector3d f =
+            inverse * Eigen::Vector3d(particles_[p].x[0], particles_[p].x[1], particles_[p].x[2]);
+        for (int k = 0; k < 3; ++k) f[k] -= std::floor(f[k]);
+        out.centres.col(at) = cell_ * f;
+        out.radii[at] = particles_[p].radius;
+    }
+    return out;
+}
+
+std::vector<ContactView> Simulation::contacts() const {
+    std::vector<ContactView> out;
+    for (std::size_t k = 0; k < pairs_.count; ++k) {
+        if (pairs_.bond[k] == bond_none) continue;
+        const int n = pairs_.image[k];
+        const ParticleRow &a = particles_[static_cast<std::size_t>(pairs_.i[k])],
+                          &b = particles_[static_cast<std::size_t>(pairs_.j[k])];
+        const Eigen::Vector3d branch = Eigen::Vector3d(b.x[0] - a.x[0], b.x[1] - a.x[1], b.x[2] - a.x[2]) +
+                                       cell_ * Eigen::Vector3d(n / 9 - 1, (n / 3) % 3 - 1, n % 3 - 1);
+        const double stiffness = 2 * law_.young_modulus * pairs_.stiffness_length[k];
+        out.push_back({pairs_.i[k], pairs_.j[k], branch, stiffness * (pairs_.radius_sum[k] - branch.norm()),
+                       Eigen::Vector3d(pairs_.shear[0][k], pairs_.shear[1][k], pairs_.shear[2][k])});
+    }
+    return out;
+}
+
+}  // namespace loam::engine

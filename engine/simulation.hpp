@@ -1,0 +1,132 @@
+// A simulation: spheres in a periodic cell that follows a velocity gradient.
+// Conventions: SI; compression positive in stress and strain; the velocity gradient is L (1/s), negative for
+// compression.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+
+#include "engine/packing.hpp"
+#include "engine/state.hpp"
+
+namespace loam::engine {
+
+struct KernelTable;
+struct ContactSums;
+struct IntegrateSums;
+
+/// Parameters of the law `linear-cohesive` (De Pue et al. 2019, eqs 1-7; see contact/linear_cohesive.hpp).
+struct LinearCohesive {
+    double young_modulus = 3.1622776601683795e8;  // E (Pa): k_n = 2 E R for each particle, two in series
+    double stiffness_ratio = 0.4;                 // k_t / k_n
+    double friction_angle = 0.31;                 // rad
+    double normal_cohesion = 1e5;                 // C_n (Pa)
+    double shear_cohesion = 1e5;                  // C_t (Pa)
+    bool fragile = true;             // cohesion is lost when its limit is passed, renewed on touching again
+    double interaction_range = 1.5;  // distance over R_i + R_j up to which tension can act
+
+    void validate() const;  // throws std::invalid_argument naming field, value, constraint
+};
+
+struct SimulationOptions {
+    bool free_rotation = false;
+    double damping = 0.4;           // Cundall's local damping
+    double grain_density = 2600.0;  // kg/m³
+    double time_step_safety = 0.7;  // over the p-wave estimate min R sqrt(rho/E)
+    double neighbour_skin = 0.04;   // gap over R_i + R_j up to which a pair is listed
+    bool energy_balance = false;    // measure every step, to integrate work and dissipation
+
+    void validate() const;
+};
+
+/// The packing's state at one instant.
+struct Measurement {
+    Eigen::Matrix3d stress = Eigen::Matrix3d::Zero();  // Love-Weber (Pa), compression positive
+    double mean_stress = 0;                            // Pa
+    double contacts = 0;                               // number of contacts
+    double coordination_number = 0;                    // 2 contacts / particles
+    double unbalanced_ratio = 0;  // mean |force on a particle| over mean |normal contact force|
+    double max_overlap = 0;       // largest overlap over R_i + R_j
+    double affine_stiffness = 0;  // sum k_n l² / (9 V): upper estimate of the bulk modulus (Pa)
+    double elastic_energy = 0;    // J
+    double kinetic_energy = 0;    // J, relative to the mean velocity field
+};
+
+/// Energies integrated since the start, where options.energy_balance is on (J).
+struct EnergyBalance {
+    double work = 0;          // done by the cell's deformation on the packing
+    double sliding = 0;       // lost by friction and broken cohesion
+    double damping = 0;       // taken out by local damping
+    double stored_start = 0;  // elastic and kinetic energy at the start
+    double stored = 0;        // elastic and kinetic energy now
+    /// |work - sliding - damping - change of stored energy| over the sum of the terms' sizes.
+    double error() const;
+};
+
+/// A contact, for pictures and fabric.
+struct ContactView {
+    std::int32_t i, j;
+    Eigen::Vector3d branch;  // from i to the touching copy of j (m)
+    double normal_force;     // N, compression positive
+    Eigen::Vector3d shear;   // on i (N)
+};
+
+class Simulation {
+  public:
+    /// Contacts start without shear force and with fresh cohesion. Throws std::invalid_argument on invalid
+    /// input.
+    Simulation(const Packing& packing, const LinearCohesive& law, const SimulationOptions& options);
+
+    /// Advances `steps` >= 1 steps and measures the last. Throws std::runtime_error when the state is no
+    /// longer finite, an overlap exceeds half of a radius sum, or the cell collapses.
+    const Measurement& advance(int steps);
+
+    void set_velocity_gradient(const Eigen::Matrix3d& gradient) { gradient_ = gradient; }
+    const Eigen::Matrix3d& velocity_gradient() const { return gradient_; }
+    void set_law(const LinearCohesive& law);  // contacts keep their history
+
+    const Measurement& measured() const { return measured_; }
+    const EnergyBalance& energy() const { return energy_; }
+    const Eigen::Matrix3d& cell() const { return cell_; }
+    double volume() const;
+    double time_step() const { return dt_; }
+    double time() const { return static_cast<double>(steps_) * dt_; }
+    std::uint64_t steps() const { return steps_; }
+    std::uint64_t rebuilds() const { return rebuilds_; }
+    std::size_t particles() const { return count_; }
+    double mean_diameter() const { return mean_diameter_; }
+    double grain_density() const { return options_.grain_density; }
+    double solid_volume() const { return solid_volume_; }
+    double porosity() const { return 1.0 - solid_volume_ / volume(); }
+
+    Packing packing() const;                    // the present state, wrapped into the cell
+    std::vector<ContactView> contacts() const;  // of the last step
+
+  private:
+    void step(bool measure);
+    void update_neighbours();
+    void contact_forces(ContactSums* sums);
+    void integrate(IntegrateSums& sums, bool measure);
+    void deform_cell();
+    void record(const ContactSums& contacts, const IntegrateSums& motion);
+
+    LinearCohesive law_;
+    SimulationOptions options_;
+    const KernelTable& kernel_;
+    std::size_t count_ = 0;
+    AlignedVector<ParticleRow> particles_;
+    AlignedVector<SpinRow> spins_;
+    AlignedVector<ForceRow> forces_;
+    PairList pairs_;
+    Eigen::Matrix3d cell_, gradient_ = Eigen::Matrix3d::Zero();
+    double dt_ = 0, solid_volume_ = 0, mean_diameter_ = 0, smallest_diameter_ = 0, largest_diameter_ = 0;
+    std::uint64_t steps_ = 0, rebuilds_ = 0;
+    double drift_since_check_ = 0;  // bound on relative motion since positions were last compared (m)
+    double drift_confirmed_ = 0;    // relative motion at that comparison (m)
+    std::vector<Eigen::Vector3d> built_at_;  // fractional positions at the last rebuild
+    Eigen::Matrix3d built_cell_ = Eigen::Matrix3d::Identity();
+    Measurement measured_;
+    EnergyBalance energy_;
+};
+
+}  // namespace loam::engine

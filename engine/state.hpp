@@ -1,0 +1,75 @@
+// The state that the inner loops work on: particles as rows of one cache line, contacts as contiguous arrays.
+// A particle row is what a contact needs of a particle, so that eight contacts cost sixteen aligned loads.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <memory>
+#include <new>
+#include <vector>
+
+namespace loam::engine {
+
+/// Allocator with the alignment of a cache line, for rows and vector loads.
+template <class T>
+struct AlignedAllocator {
+    using value_type = T;
+    AlignedAllocator() = default;
+    template <class U>
+    explicit AlignedAllocator(const AlignedAllocator<U>&) {}
+    T* allocate(std::size_t n) {
+        return static_cast<T*>(::operator new (n * sizeof(T), std::align_val_t{64}));
+    }
+    void deallocate(T* p, std::size_t) noexcept { ::operator delete (p, std::align_val_t{64}); }
+    template <class U>
+    bool operator==(const AlignedAllocator<U>&) const {
+        return true;
+    }
+};
+template <class T>
+using AlignedVector = std::vector<T, AlignedAllocator<T>>;
+
+/// Position (m), radius (m), velocity relative to the mean velocity field L·x (m/s), and 1/mass (1/kg).
+struct alignas(64) ParticleRow {
+    double x[3], radius, v[3], inverse_mass;
+};
+
+/// radius × angular velocity (m/s), angular velocity (rad/s), 1/moment of inertia.
+struct alignas(64) SpinRow {
+    double radius_spin[3], unused, spin[3], inverse_inertia;
+};
+
+/// Force (N) and moment (N·m) on a particle, summed over its contacts.
+struct alignas(64) ForceRow {
+    double force[3], unused0, moment[3], unused1;
+};
+
+/// Bond states of a pair; kept as doubles because the contact loop blends them with forces.
+inline constexpr double bond_none = 0.0;      // apart
+inline constexpr double bond_broken = 1.0;    // touching, cohesion lost
+inline constexpr double bond_cohesive = 2.0;  // touching, cohesion active (also where the cohesion is zero)
+
+/// The neighbour pairs, padded to a multiple of eight with a pair of dummies that never touch.
+struct PairList {
+    std::size_t count = 0;                   // without padding
+    AlignedVector<std::int32_t> i, j;        // particles, i < j
+    AlignedVector<std::int32_t> image;       // which copy of j: index into the table of 27 cell shifts
+    AlignedVector<double> radius_sum;        // R_i + R_j (m)
+    AlignedVector<double> stiffness_length;  // R_i R_j / (R_i + R_j) (m): stiffness is modulus times this
+    AlignedVector<double> area;              // min(R_i, R_j)² (m²): adhesion is cohesion times this
+    AlignedVector<double> shear[3];          // shear force on i (N): the contact's history
+    AlignedVector<double> bond;              // one of the bond states: the rest of its history
+
+    std::size_t padded() const { return i.size(); }
+    void resize_padded(std::size_t n);
+};
+
+/// Image index of the copy shifted by (a, b, c) cells, each in -1..1, and back.
+constexpr int image_index(int a, int b, int c) {
+    return (a + 1) * 9 + (b + 1) * 3 + (c + 1);
+}
+inline constexpr int image_count = 27;
+inline constexpr int image_home = image_index(0, 0, 0);
+
+}  // namespace loam::engine

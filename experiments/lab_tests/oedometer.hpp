@@ -1,0 +1,50 @@
+// The virtual oedometer: zero lateral strain, axial stress through given stages, strain read where each stage
+// ends.
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "engine/loading.hpp"
+#include "engine/simulation.hpp"
+
+namespace loam::experiments {
+
+struct OedometerOptions {
+    double isotropic_stress = 2000;  // Pa: the packing is brought to this stress first
+    double seating_stress = 2000;    // Pa: axial stress where strain is zero; reached at zero lateral strain
+    std::vector<double> stages;      // Pa, in order; a stage below the one before it is unloading
+    double inertial_number = 1e-3;   // sets the strain rate from the present stress
+    double stress_change = 0.003;    // largest relative change of the axial stress in one step
+    double strain_rate = 0;          // 1/s: when positive, used throughout instead of the two above
+    double largest_strain = 0.45;    // a run beyond it is out of range: the cell gets too flat
+    bool record_path = false;        // keep the whole curve
+    engine::ServoOptions servo;
+
+    void validate() const;  // throws std::invalid_argument
+};
+
+struct OedometerResult {
+    Eigen::VectorXd strain;  // [stages], axial, engineering, since seating; NaN where not reached
+    bool complete = false;
+    std::string reason;  // why not complete
+    double seated_porosity = 0;
+    double initial_height = 0;           // of the cell at seating (m)
+    double seating_error = 0;            // largest relative stress error of an axis after isotropic seating
+    double largest_inertial_number = 0;  // during loading
+    double mean_unbalanced_ratio = 0;    // during loading
+    double largest_overlap = 0;          // over R_i + R_j
+    double energy_error = 0;             // of the energy balance, where the simulation keeps one
+    std::uint64_t steps = 0;             // seating included
+    std::vector<double> path_strain, path_axial, path_lateral;  // with record_path
+};
+
+/// Runs the test on the simulation, which must hold the packing with the contact parameters of the test.
+/// Source of the procedure: De Pue et al. 2019, section 2.2.2. `cancelled` is polled and makes it throw
+/// std::runtime_error.
+OedometerResult run_oedometer(engine::Simulation& simulation, const OedometerOptions& options,
+                              const std::function<bool()>& cancelled = {});
+
+}  // namespace loam::experiments
