@@ -101,18 +101,22 @@ function duration(seconds) {
 
 const percent = (share, digits = 2) => (finite(share) ? `${number(100 * share, digits)} %` : missing);
 
-// Tick positions 1, 2, 5 × 10^k between two positive numbers; decades alone when there are many.
+// Tick positions for a logarithmic axis between two positive numbers: decades when there are many, then 1-2-5, then
+// every digit, and round numbers as on a linear axis when the ends are close.
 function logTicks(low, high) {
-  const decades = Math.log10(high / low);
-  const mantissas = decades > 3.5 ? [1] : decades > 0.7 ? [1, 2, 5] : [1, 1.5, 2, 3, 4, 5, 6, 7, 8, 9];
-  const ticks = [];
-  for (let k = Math.floor(Math.log10(low)); k <= Math.ceil(Math.log10(high)); ++k) {
-    for (const m of mantissas) {
-      const value = Number(`${m}e${k}`);
-      if (value >= low * (1 - 1e-9) && value <= high * (1 + 1e-9)) ticks.push(value);
+  const within = (v) => v >= low * (1 - 1e-9) && v <= high * (1 + 1e-9);
+  const kinds = [[1], [1, 2, 5], [1, 2, 3, 4, 5, 6, 7, 8, 9]];
+  for (const mantissas of kinds.slice(Math.log10(high / low) > 3.5 ? 0 : 1)) {
+    const ticks = [];
+    for (let k = Math.floor(Math.log10(low)); k <= Math.ceil(Math.log10(high)); ++k) {
+      ticks.push(...mantissas.map((m) => Number(`${m}e${k}`)).filter(within));
     }
+    if (ticks.length >= 3) return ticks;
   }
-  return ticks;
+  const exponent = Math.floor(Math.log10((high - low) / 3));
+  const digit = [5, 2, 1].find((m) => m * 10 ** exponent * 3 <= high - low) ?? 1;
+  const first = Math.ceil(low / (digit * 10 ** exponent));
+  return Array.from({ length: 8 }, (_, i) => Number(`${(first + i) * digit}e${exponent}`)).filter(within);
 }
 
 // Linear interpolation quantile of finite numbers, p in [0, 1].

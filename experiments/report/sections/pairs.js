@@ -35,7 +35,7 @@ function cellGroup(row, column, cell, content) {
 
 function scatter(views, axisOf, row, column, cell) {
   const axes = [];
-  const small = { tickCount: 3, labelFontSize: 10, titleFontSize: 12, grid: false };
+  const small = { tickCount: 3, labelFontSize: 10, titleFontSize: 12, grid: false, labelBound: 2, encode: {} };
   if (row === views.length - 1) axes.push({ scale: `x${column}`, orient: "bottom", ...axisOf(views[column], domainOf(views[column]), small) });
   if (column === 0) axes.push({ scale: `y${row}`, orient: "left", ...axisOf(views[row], domainOf(views[row]), small) });
   const at = (x, y) => ({ x: { scale: `x${column}`, ...x }, y: { scale: `y${row}`, ...y } });
@@ -56,7 +56,7 @@ function label(text, size, cell, color) {
 
 function coefficient(views, row, column, cell) {
   const r = correlation(views[row], views[column]);
-  const text = finite(r) ? (r < 0 ? "−" : "") + Math.abs(r).toFixed(2) : "–";
+  const text = finite(r) ? r.toFixed(2).replace(/^-(?=0\.00)/, "").replace("-", "−") : "–";
   const shade = { type: "rect", encode: { update: { width: { value: cell }, height: { value: cell }, fill: { value: palette.band },
     fillOpacity: { value: finite(r) ? 0.9 * Math.abs(r) : 0 } } } };
   return cellGroup(row, column, cell, { marks: [shade, label(text, 13, cell, palette.ink)] });

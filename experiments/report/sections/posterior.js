@@ -86,11 +86,12 @@ function sampler(data, views) {
   const { r_hat: rHat, ess } = data.posterior;
   if (list(rHat).length === 0 && list(ess).length === 0) return null;
   const good = (k) => !(rHat?.[k] > 1.05) && !(ess?.[k] < 100);
+  const known = (k) => finite(rHat?.[k]) || finite(ess?.[k]);
   return el("div", "", el("h3", "", "Sampler"), table([
     { head: "Parameter", cell: (k) => words(views[k].name) },
     { head: "R-hat", number: true, cell: (k) => number(rHat?.[k], 4) },
     { head: "Effective sample size", number: true, cell: (k) => number(ess?.[k], 4) },
-    { head: "", cell: (k) => el("span", `mark ${good(k) ? "yes" : "no"}`, good(k) ? "converged" : "not converged") },
+    { head: "", cell: (k) => (known(k) ? el("span", `mark ${good(k) ? "yes" : "no"}`, good(k) ? "converged" : "not converged") : "") },
   ], views.map((_, k) => k), "compact"));
 }
 

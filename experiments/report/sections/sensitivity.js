@@ -64,7 +64,7 @@ function heatSpec(s, symbols, indices, along, figureWidth) {
     ],
     marks: [{ type: "rect", from: { data: "cells" }, encode: { update: { x: { scale: "column", field: "i" }, width: { scale: "column", band: 1 },
       y: { scale: "row", field: "row" }, height: { scale: "row", band: 1 }, fill: { scale: "shade", field: "value" },
-      stroke: { value: "#ffffff" }, strokeWidth: { value: m > 40 ? 0 : 1 } } } }, ...numbers, ...phaseMarks],
+      stroke: m > 40 ? { scale: "shade", field: "value" } : { value: "#ffffff" }, strokeWidth: { value: m > 40 ? 0.5 : 1 } } } }, ...numbers, ...phaseMarks],
   };
 }
 

@@ -58,6 +58,8 @@ function how(test) {
     parts.push(`Simulated: ${replicates > 1 ? `mean of ${replicates} DEM runs on different packings (thin lines)` : "by DEM"}.`);
   }
   if (list(test.band_lower).some(finite)) parts.push("Band: 90 % credible for the simulated curve.");
+  const hidden = test.x_log ? list(test.x).filter((x) => finite(x) && x <= 0).length : 0;
+  if (hidden > 0) parts.push(`${hidden} ${hidden > 1 ? "readings" : "reading"} at zero or below cannot be shown on a logarithmic axis.`);
   return parts.join(" ");
 }
 
