@@ -17,9 +17,9 @@ constexpr std::array all_units{
 };
 
 // Endings that can only be meant as units; other endings make another quantity of an optional one.
-constexpr std::array<std::string_view, 24> foreign_units{
-    "psi", "ksi", "psf", "tsf", "bar", "mbar", "atm", "hPa", "GPa",  "kN",      "N",        "kgf",
-    "cm",  "dm",  "um",  "nm",  "in",  "inch", "ft",  "pct", "perc", "procent", "percents", "strain"};
+constexpr std::array<std::string_view, 22> foreign_units{
+    "psi", "ksi", "psf", "tsf", "bar", "mbar", "atm",  "hPa", "GPa", "kN",   "N",
+    "kgf", "cm",  "dm",  "um",  "nm",  "in",   "inch", "ft",  "pct", "perc", "percents"};
 
 std::string joined(std::string_view quantity, std::string_view unit) {
     return std::string(quantity) + (unit.empty() ? "" : "_") + std::string(unit);

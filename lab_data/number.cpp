@@ -61,7 +61,9 @@ std::string number_remedy(std::string_view text) {
     if (text.ends_with('%') && parse_number(text.substr(0, text.size() - 1)))
         return "leave out the percent sign and end the name with _percent";
     const std::size_t letters = text.find_first_not_of("+-.0123456789 ");
-    if (letters != std::string_view::npos && letters > 0 && parse_number(text.substr(0, letters)))
+    const bool may_be_unit = letters != std::string_view::npos && letters > 0 &&
+                             std::string_view("eExX").find(text[letters]) == std::string_view::npos;
+    if (may_be_unit && parse_number(text.substr(0, letters)))
         return "write " + std::string(trimmed(text.substr(0, letters))) + " alone if '" +
                std::string(text.substr(letters)) + "' is a unit, which belongs in the name";
     return "write a number such as 0.0125";

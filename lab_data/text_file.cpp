@@ -1,7 +1,6 @@
 #include "lab_data/text_file.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -9,6 +8,7 @@
 #include <vector>
 
 #include "lab_data/nearest_name.hpp"
+#include "lab_data/utf8.hpp"
 
 namespace loam::lab_data {
 namespace fs = std::filesystem;
@@ -16,57 +16,42 @@ namespace {
 
 constexpr std::size_t most_names = 1000;  // of a folder, to compare with
 
-/// Where the first byte is that is no UTF-8 (RFC 3629), or that text does not contain; npos if there is none.
+/// Where the first byte is that is no UTF-8, or a control character that text does not contain; npos:
+/// nowhere.
 std::size_t first_non_text(std::string_view text) {
-    const auto byte = [&](std::size_t i) {
-        return static_cast<unsigned>(static_cast<unsigned char>(text[i]));
-    };
-    const auto follows = [&](std::size_t i) { return i < text.size() && (byte(i) & 0xc0u) == 0x80u; };
     for (std::size_t i = 0; i < text.size();) {
-        const unsigned lead = byte(i);
-        std::size_t length = 0;
-        if (lead < 0x80)
-            length = (lead >= 0x20 && lead != 0x7f) || (lead >= 0x09 && lead <= 0x0d) ? 1 : 0;
-        else if (lead >= 0xc2 && lead <= 0xdf)
-            length = 2;
-        else if (lead >= 0xe0 && lead <= 0xef)
-            length = 3;
-        else if (lead >= 0xf0 && lead <= 0xf4)
-            length = 4;
-        if (length == 0) return i;
-        for (std::size_t k = 1; k < length; ++k)
-            if (!follows(i + k)) return i;
-        const unsigned second = length > 2 ? byte(i + 1) : 0;  // overlong forms, surrogates, beyond U+10FFFF
-        if ((lead == 0xe0 && second < 0xa0) || (lead == 0xed && second > 0x9f) ||
-            (lead == 0xf0 && second < 0x90) || (lead == 0xf4 && second > 0x8f))
-            return i;
+        const std::size_t length = utf8_character_length(text.substr(i));
+        const auto byte = static_cast<unsigned char>(text[i]);
+        const bool control = (byte < 0x20 && (byte < 0x09 || byte > 0x0d)) || byte == 0x7f;
+        if (length == 0 || control) return i;
         i += length;
     }
     return std::string_view::npos;
 }
 
+std::string in_hexadecimal(char c) {
+    constexpr std::string_view digits = "0123456789abcdef";
+    const auto byte = static_cast<unsigned char>(c);
+    return {'0', 'x', digits[byte >> 4], digits[byte & 15u]};
+}
+
 Fault not_text(const fs::path& path, std::string_view text, std::size_t at) {
-    Fault fault{
-        .file = path.string(),
-        .line = 1 + static_cast<int>(std::count(text.begin(), text.begin() + static_cast<long>(at), '\n')),
-        .value = std::string(text.substr(at, 1)),
-        .constraint = "is not UTF-8 text"};
+    const auto lines_before = std::count(text.begin(), text.begin() + static_cast<long>(at), '\n');
+    Fault fault{.file = path.string(),
+                .line = 1 + static_cast<int>(lines_before),
+                .constraint = "is not UTF-8 text (byte " + in_hexadecimal(text[at]) + ")",
+                .remedy = "save the file with the encoding UTF-8"};
     if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) {
         fault.line = 1;
-        fault.value = "";
         fault.constraint = "is UTF-16, not UTF-8 text";
         fault.remedy = "save it again as 'CSV UTF-8' or 'UTF-8'";
     } else if (text.starts_with("PK\x03\x04")) {
         fault.line = 0;
-        fault.value = "";
         fault.constraint = "is a workbook or an archive, not text";
         fault.remedy = "export the sheet as CSV";
     } else if (text.substr(0, 4096).find('\0') != std::string_view::npos) {
         fault.constraint = "is binary, not text";
-        fault.value = "";
         fault.remedy = "give a text file";
-    } else {
-        fault.remedy = "save the file with the encoding UTF-8";
     }
     return fault;
 }

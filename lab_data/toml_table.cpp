@@ -1,6 +1,8 @@
 #include "lab_data/toml_table.hpp"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
 #include <sstream>
 
@@ -38,6 +40,13 @@ int line_of_deep_key(std::string_view text) {
         blank = false;
     }
     return 0;
+}
+
+/// The fewest digits that give the number back; nearly always what was written.
+std::string shortest(double value) {
+    std::array<char, 32> digits;
+    const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr;
+    return {digits.data(), end};
 }
 
 std::string line_text(std::string_view text, int line) {
@@ -102,6 +111,7 @@ int line_of(const toml::node& node) {
 
 std::string value_text(const toml::node& node) {
     if (const auto text = node.value_exact<std::string>()) return *text;
+    if (const auto real = node.value_exact<double>()) return shortest(*real);
     std::ostringstream stream;
     node.visit([&](const auto& value) { stream << value; });
     return stream.str();

@@ -3,24 +3,32 @@
 #include <cstdio>
 #include <string_view>
 
+#include "lab_data/utf8.hpp"
+
 namespace loam::lab_data {
 namespace {
 
-/// The value as it can be shown on a terminal: cut to 60 bytes, control bytes escaped.
-std::string shown(std::string_view value) {
-    constexpr std::size_t longest = 60;
+constexpr std::size_t longest_path = 4096;
+
+/// The text as it can be shown on a terminal and written as JSON: cut to `longest` bytes or so, control
+/// characters and what is no UTF-8 escaped.
+std::string shown(std::string_view value, std::size_t longest = 60) {
     std::string text;
-    for (const char c : value.substr(0, longest)) {
-        const auto byte = static_cast<unsigned char>(c);
-        if (byte >= 0x20 && byte != 0x7f) {
-            text += c;
+    std::size_t i = 0;
+    while (i < value.size() && i < longest) {
+        const auto byte = static_cast<unsigned char>(value[i]);
+        const std::size_t length = utf8_character_length(value.substr(i));
+        if (length > 0 && byte >= 0x20 && byte != 0x7f) {
+            text += value.substr(i, length);
+            i += length;
             continue;
         }
         char escaped[8];
         std::snprintf(escaped, sizeof escaped, "\\x%02x", static_cast<unsigned>(byte));
         text += escaped;
+        ++i;
     }
-    if (value.size() > longest) text += "...";
+    if (i < value.size()) text += "...";
     return text;
 }
 
@@ -35,7 +43,7 @@ std::string_view kind_of_name(const Fault& fault) {
 std::string message(const Fault& fault) {
     std::string text;
     if (!fault.file.empty()) {
-        text += shown(fault.file);
+        text += shown(fault.file, longest_path);
         if (fault.line > 0) text.append(":").append(std::to_string(fault.line));
         if (fault.line > 0 && fault.position > 0) text.append(":").append(std::to_string(fault.position));
         text += ": ";

@@ -112,7 +112,7 @@ std::vector<Case> toml_cases() {
         {"file_twice", edit(toml, "\"triaxial.csv\"", "\"./oedometer.csv\""), toml, 17, "file",
          "file of two tests", "its own file"},
         {"negative_void_ratio", edit(toml, "0.8", "-0.8"), toml, 14, "initial_void_ratio",
-         "above 0 and at most 30", "0.65"},
+         "value '-0.8' must be above 0 and at most 30", "0.65"},
         {"void_ratio_as_text", edit(toml, "0.8", "\"0,8\""), toml, 14, "initial_void_ratio", "finite number",
          "write 0.8"},
         {"no_cell_pressure", edit(toml, "cell_pressure_kPa = 100\n", ""), toml, 15, "cell_pressure_kPa",

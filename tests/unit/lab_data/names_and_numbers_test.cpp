@@ -6,6 +6,7 @@
 #include "lab_data/nearest_name.hpp"
 #include "lab_data/number.hpp"
 #include "lab_data/user_error.hpp"
+#include "lab_data/utf8.hpp"
 
 namespace loam::lab_data {
 namespace {
@@ -90,6 +91,8 @@ TEST(NumberRemedy, SaysWhatToWrite) {
     has("#DIV/0!", "spreadsheet");
     has("n/a", "leave the whole row out");
     has("abc", "0.0125");
+    has("0xB4", "0.0125");
+    has("1e400", "0.0125");
 }
 
 TEST(UserError, PutsTheMessageTogether) {
@@ -114,6 +117,22 @@ TEST(UserError, ShowsHostileValuesHarmlessly) {
     const std::string text = error.what();
     EXPECT_NE(text.find("\\x1b[31m"), std::string::npos);
     EXPECT_LT(text.size(), 120u);
+    EXPECT_STREQ(UserError({.value = "caf\xe9", .constraint = "is odd"}).what(), "value 'caf\\xe9' is odd");
+    const std::string accents =
+        UserError({.value = std::string(59, 'x') + "\xc3\xa9y", .constraint = "is odd"}).what();
+    EXPECT_NE(accents.find("x\xc3\xa9...'"), std::string::npos);  // cut between characters, not inside one
+}
+
+TEST(Utf8, KnowsWellFormedCharacters) {
+    EXPECT_EQ(utf8_character_length("a"), 1u);
+    EXPECT_EQ(utf8_character_length("\xc3\xa9"), 2u);  // U+00E9
+    EXPECT_EQ(utf8_character_length("\xe2\x88\x92"
+                                    "5"),
+              3u);                                             // U+2212
+    EXPECT_EQ(utf8_character_length("\xf0\x9f\x98\x80"), 4u);  // U+1F600
+    for (const char* text : {"", "\x80", "\xc0\xaf", "\xc3", "\xc3(", "\xe0\x80\x80", "\xed\xa0\x80",
+                             "\xf0\x8f\xbf\xbf", "\xf4\x90\x80\x80", "\xf5\x80\x80\x80", "\xff"})
+        EXPECT_EQ(utf8_character_length(text), 0u);
 }
 
 }  // namespace
