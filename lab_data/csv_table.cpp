@@ -16,6 +16,7 @@ namespace loam::lab_data {
 namespace {
 
 constexpr std::size_t largest_csv = 16u << 20;
+constexpr std::size_t most_columns = 1000;  // each is compared with every known name
 
 char separator_of(std::string_view header) {
     constexpr std::array<char, 3> separators{',', ';', '\t'};
@@ -98,6 +99,14 @@ std::optional<std::vector<CsvRow>> split_rows(std::string_view text, const std::
 }
 
 bool header_is_sound(const CsvTable& table, Faults& faults) {
+    if (table.header.size() > most_columns) {
+        faults.error({.file = table.file,
+                      .line = table.header_line,
+                      .constraint = "has " + std::to_string(table.header.size()) + " columns; the most is " +
+                                    std::to_string(most_columns),
+                      .remedy = "put readings into rows and quantities into columns"});
+        return false;
+    }
     if (std::ranges::all_of(table.header, [](const auto& name) { return parse_number(name).has_value(); })) {
         faults.error({.file = table.file,
                       .line = table.header_line,

@@ -192,6 +192,13 @@ std::vector<Case> table_cases() {
          oedometer, 1, "", "UTF-16", "CSV UTF-8"},
         {"workbook", write(oedometer, "PK\x03\x04..."), oedometer, 0, "", "workbook",
          "export the sheet as CSV"},
+        {"too_many_columns",
+         [](Files& f) {
+             std::string line = "c0";
+             for (int i = 1; i <= 1000; ++i) line += ",c" + std::to_string(i);
+             f[oedometer] = line + "\n" + line + "\n";
+         },
+         oedometer, 1, "", "1001 columns", "readings into rows"},
         {"huge_file", write(oedometer, std::string(17 << 20, '1')), oedometer, 0, "", "bytes; the most is",
          "thin"},
     };
