@@ -158,17 +158,17 @@ void EnsembleStore::append(RunRecord record) {
     const std::uint64_t index = record.spec.index;
     records_.emplace(index, std::move(record));
     const std::chrono::duration<double> age = std::chrono::steady_clock::now() - last_checkpoint_;
-    if (age.count() > options_.checkpoint_seconds) {
-        write_h5();
-        journal_->remove();
-    }
+    if (age.count() > options_.checkpoint_seconds) move_to_h5();
 }
 
 void EnsembleStore::checkpoint() {
     const std::scoped_lock lock(mutex_);
-    if (!dirty_) return;
+    if (dirty_) move_to_h5();
+}
+
+void EnsembleStore::move_to_h5() {
     write_h5();
-    journal_->remove();
+    journal_->remove();  // only now: its runs are safe elsewhere
 }
 
 void EnsembleStore::write_h5() {

@@ -66,6 +66,7 @@ class EnsembleStore {
     void check_fits(const RunRecord& record) const;
     void recover_journal();
     void write_h5();
+    void move_to_h5();
 
     EnsembleHeader header_;
     StoreOptions options_;

@@ -4,8 +4,8 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <csignal>
-#include <regex>
 
 #include "experiments/output/atomic_file.hpp"
 #include "experiments/output/log.hpp"
@@ -246,11 +246,12 @@ TEST(RunLog, AppendsStampedLines) {
     const auto path = folder.path() / "log.txt";
     RunLog(path).write("first");
     RunLog(path).write("second\nwith a second line\n");
-    const std::string stamp = "[0-9]{4}-[0-9]{2}-[0-9]{2}T[0-9]{2}:[0-9]{2}:[0-9]{2}Z ";
-    const std::string text = read_whole_file(path);
-    EXPECT_TRUE(
-        std::regex_match(text, std::regex(stamp + "first\n" + stamp + "second\n    with a second line\n")))
-        << text;
+    std::string text = read_whole_file(path);
+    // "2024-05-01T12:00:00Z" with every digit as 0.
+    std::replace_if(
+        text.begin(), text.end(), [](char c) { return c >= '1' && c <= '9'; }, '0');
+    const std::string stamp = "0000-00-00T00:00:00Z ";
+    EXPECT_EQ(text, stamp + "first\n" + stamp + "second\n    with a second line\n");
 }
 
 TEST(RunLog, AFolderThatIsNotThereIsTheUsersMistake) {
