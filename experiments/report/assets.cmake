@@ -16,10 +16,12 @@ endforeach()
 list(APPEND report_assets vega-selections=${LOAM_VEGA_DIR}/vega-selection.min.js)  # Debian's file lacks the s
 
 foreach(asset template.html style.css page/loader.js
-              page/vega.js page/dom.js page/format.js page/chart.js page/phases.js page/test_axes.js page/main.js
+              page/vega.js page/dom.js page/format.js page/chart.js page/marks.js page/phases.js page/test_axes.js
+              page/main.js
               sections/header.js sections/parameters.js sections/tests.js sections/test_chart.js
-              sections/posterior.js sections/pairs.js sections/emulator.js sections/sensitivity.js
-              sections/packing.js sections/quasi_static.js sections/settings.js)
+              sections/posterior.js sections/pairs.js sections/emulator.js sections/emulator_charts.js
+              sections/sensitivity.js sections/heat_map.js sections/packing.js sections/quasi_static.js
+              sections/settings.js)
   list(APPEND report_assets ${asset}=${CMAKE_CURRENT_LIST_DIR}/${asset})
 endforeach()
 loam_embed(TARGET loam_experiments HEADER "experiments/report/assets.hpp"

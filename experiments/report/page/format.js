@@ -1,10 +1,29 @@
 // Numbers as a reader wants them: SI in, sensible prefixes and digits out. A missing number is a dash.
 
 const prefixes = {
-  Pa: [[1e9, "GPa"], [1e6, "MPa"], [1e3, "kPa"], [1, "Pa"]],
-  "N/m": [[1e9, "GN/m"], [1e6, "MN/m"], [1e3, "kN/m"], [1, "N/m"]],
-  N: [[1e3, "kN"], [1, "N"], [1e-3, "mN"], [1e-6, "µN"]],
-  m: [[1, "m"], [1e-3, "mm"], [1e-6, "µm"]],
+  Pa: [
+    [1e9, "GPa"],
+    [1e6, "MPa"],
+    [1e3, "kPa"],
+    [1, "Pa"],
+  ],
+  "N/m": [
+    [1e9, "GN/m"],
+    [1e6, "MN/m"],
+    [1e3, "kN/m"],
+    [1, "N/m"],
+  ],
+  N: [
+    [1e3, "kN"],
+    [1, "N"],
+    [1e-3, "mN"],
+    [1e-6, "µN"],
+  ],
+  m: [
+    [1, "m"],
+    [1e-3, "mm"],
+    [1e-6, "µm"],
+  ],
 };
 const ratios = new Set(["", "1", "-", "ratio", "m/m"]);
 const missing = "–";
@@ -13,6 +32,48 @@ const finite = (v) => typeof v === "number" && Number.isFinite(v);
 const isRatio = (unit) => unit === undefined || unit === null || ratios.has(unit);
 const isStrain = (name) => /strain/.test(String(name));
 const list = (value) => (Array.isArray(value) ? value : []);
+
+const greek = {
+  alpha: "α",
+  beta: "β",
+  gamma: "γ",
+  delta: "δ",
+  eta: "η",
+  theta: "θ",
+  lambda: "λ",
+  mu: "µ",
+  nu: "ν",
+  rho: "ρ",
+  sigma: "σ",
+  tau: "τ",
+  phi: "φ",
+  psi: "ψ",
+};
+const subscripts = {
+  a: "ₐ",
+  e: "ₑ",
+  h: "ₕ",
+  i: "ᵢ",
+  j: "ⱼ",
+  k: "ₖ",
+  l: "ₗ",
+  m: "ₘ",
+  n: "ₙ",
+  o: "ₒ",
+  p: "ₚ",
+  r: "ᵣ",
+  s: "ₛ",
+  t: "ₜ",
+  u: "ᵤ",
+  v: "ᵥ",
+  x: "ₓ",
+};
+
+// A symbol written in ASCII as it is set in print: "phi" -> "φ", "k_t/k_n" -> "kₜ/kₙ".
+const symbolText = (symbol) =>
+  String(symbol)
+    .replace(/[a-z]+/g, (word) => (Object.hasOwn(greek, word) ? greek[word] : word))
+    .replace(/_([a-z])(?![a-z])/g, (whole, letter) => subscripts[letter] ?? whole);
 
 // Words for a name: "axial_strain" -> "axial strain".
 const words = (name) => String(name ?? "").replace(/_/g, " ");
@@ -36,7 +97,12 @@ function number(value, digits = 3) {
 }
 
 // The same without trailing zeros, for labels of ticks and cells.
-const short = (value, digits = 3) => (finite(value) ? number(value, digits).replace(/(\.\d*?)0+($| )/, "$1$2").replace(/\.($| )/, "$1") : missing);
+const short = (value, digits = 3) =>
+  finite(value)
+    ? number(value, digits)
+        .replace(/(\.\d*?)0+($| )/, "$1$2")
+        .replace(/\.($| )/, "$1")
+    : missing;
 
 const minus = (text) => String(text).replace("-", "−");
 
@@ -81,7 +147,8 @@ function interval(low, high, unit, digits = 3) {
   return `${quantity(low, unit, digits)} to ${quantity(high, unit, digits)}`;
 }
 
-const intervalNote = (low, high, unit) => (unit === "rad" && finite(low) && finite(high) ? `(${degrees(low)} to ${degrees(high)})` : "");
+const intervalNote = (low, high, unit) =>
+  unit === "rad" && finite(low) && finite(high) ? `(${degrees(low)} to ${degrees(high)})` : "";
 
 // An error of a curve. A strain is written as 0.0067 m/m, the way errors of compression curves are compared.
 function curveError(value, unit, channel) {
@@ -95,8 +162,16 @@ function duration(seconds) {
   if (!finite(seconds)) return missing;
   if (seconds < 10) return `${number(seconds, 2)} s`;
   const whole = Math.round(seconds);
-  const parts = [[Math.floor(whole / 3600), "h"], [Math.floor(whole / 60) % 60, "min"], [whole % 60, "s"]];
-  return parts.filter(([n], i) => n > 0 || (i === 2 && whole === 0)).slice(0, 2).map(([n, u]) => `${n} ${u}`).join(" ");
+  const parts = [
+    [Math.floor(whole / 3600), "h"],
+    [Math.floor(whole / 60) % 60, "min"],
+    [whole % 60, "s"],
+  ];
+  return parts
+    .filter(([n], i) => n > 0 || (i === 2 && whole === 0))
+    .slice(0, 2)
+    .map(([n, u]) => `${n} ${u}`)
+    .join(" ");
 }
 
 const percent = (share, digits = 2) => (finite(share) ? `${number(100 * share, digits)} %` : missing);
@@ -132,6 +207,26 @@ function quantile(values, p) {
 const mean = (values) => values.reduce((s, v) => s + v, 0) / values.length;
 
 Object.assign(exports, {
-  finite, isRatio, isStrain, list, words, capital, number, short, displayScale, axisTitle, degrees, quantity, interval, intervalNote,
-  curveError, duration, percent, logTicks, quantile, mean, missing,
+  finite,
+  isRatio,
+  isStrain,
+  list,
+  symbolText,
+  words,
+  capital,
+  number,
+  short,
+  displayScale,
+  axisTitle,
+  degrees,
+  quantity,
+  interval,
+  intervalNote,
+  curveError,
+  duration,
+  percent,
+  logTicks,
+  quantile,
+  mean,
+  missing,
 });

@@ -7,18 +7,49 @@ const has = (value) => Boolean(value) && typeof value === "object" && Object.key
 
 // To add a section: a file in sections/ with `render(parent, document)`, and a line here.
 const sections = [
-  { id: "parameters", title: "Parameters", module: "sections/parameters.js", wanted: (d) => list(d.parameters).length > 0 },
-  { id: "tests", title: "Measured and simulated", module: "sections/tests.js", wanted: (d) => list(d.tests).length > 0 },
-  { id: "posterior", title: "Posterior", module: "sections/posterior.js", wanted: (d) => list(d.posterior?.draws).length > 0 },
-  { id: "sensitivity", title: "Sensitivity", module: "sections/sensitivity.js", wanted: (d) => list(d.sensitivity?.names).length > 0 },
+  {
+    id: "parameters",
+    title: "Parameters",
+    module: "sections/parameters.js",
+    wanted: (d) => list(d.parameters).length > 0,
+  },
+  {
+    id: "tests",
+    title: "Measured and simulated",
+    module: "sections/tests.js",
+    wanted: (d) => list(d.tests).length > 0,
+  },
+  {
+    id: "posterior",
+    title: "Posterior",
+    module: "sections/posterior.js",
+    wanted: (d) => list(d.posterior?.draws).length > 0,
+  },
+  {
+    id: "sensitivity",
+    title: "Sensitivity",
+    module: "sections/sensitivity.js",
+    wanted: (d) => list(d.sensitivity?.names).length > 0,
+  },
   { id: "emulator", title: "Emulator", module: "sections/emulator.js", wanted: (d) => has(d.emulator) },
-  { id: "packing", title: "Packing and force chains", module: "sections/packing.js", wanted: (d) => list(d.packing?.x).length > 0 },
-  { id: "quasi-static", title: "Quasi-static loading", module: "sections/quasi_static.js", wanted: (d) => has(d.quasi_static) },
+  {
+    id: "packing",
+    title: "Packing and force chains",
+    module: "sections/packing.js",
+    wanted: (d) => list(d.packing?.x).length > 0,
+  },
+  {
+    id: "quasi-static",
+    title: "Quasi-static loading",
+    module: "sections/quasi_static.js",
+    wanted: (d) => has(d.quasi_static),
+  },
   { id: "settings", title: "Settings", module: "sections/settings.js", wanted: (d) => Boolean(d.settings) },
 ];
 
 // Vega's expressions cannot hold the line separators of Unicode, which look like a space anyway.
-const read = (json) => JSON.parse(json, (_, value) => (typeof value === "string" ? value.replace(/[\u2028\u2029]/g, " ") : value));
+const read = (json) =>
+  JSON.parse(json, (_, value) => (typeof value === "string" ? value.replace(/[\u2028\u2029]/g, " ") : value));
 
 async function start() {
   const report = document.getElementById("report");

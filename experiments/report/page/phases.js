@@ -7,8 +7,13 @@ const styles = {
   unloading: { shape: "circle", filled: false, dash: [5, 3] },
   reloading: { shape: "triangle-up", filled: false, dash: [2, 2] },
 };
-const others = [styles.loading, styles.unloading, styles.reloading,
-  { shape: "square", filled: false, dash: [8, 3, 2, 3] }, { shape: "diamond", filled: false, dash: [1, 3] }];
+const others = [
+  styles.loading,
+  styles.unloading,
+  styles.reloading,
+  { shape: "square", filled: false, dash: [8, 3, 2, 3] },
+  { shape: "diamond", filled: false, dash: [1, 3] },
+];
 
 // The style of each phase of a test, in order of appearance: [{phase, shape, filled, dash}].
 function phaseStyles(phases) {

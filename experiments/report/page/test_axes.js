@@ -9,13 +9,21 @@ function testAxes(test, curves = []) {
   const shownX = (v) => finite(v) && (!test.x_log || v > 0);
   const xs = list(test.x).filter(shownX);
   const ys = [test.measured, test.simulated, test.band_lower, test.band_upper, ...list(test.replicates), ...curves]
-    .flatMap(list).filter(finite);
+    .flatMap(list)
+    .filter(finite);
   const x = displayScale(test.x_unit, xs, test.x_name);
   const y = displayScale(test.y_unit, ys, test.channel);
   return {
-    x, y, log: Boolean(test.x_log), reversed: downwards.has(test.channel),
-    xTitle: axisTitle(capital(words(test.x_name)), x), yTitle: axisTitle(capital(words(test.channel)), y),
-    xDomain: xDomain(xs.map((v) => v * x.factor), test.x_log),
+    x,
+    y,
+    log: Boolean(test.x_log),
+    reversed: downwards.has(test.channel),
+    xTitle: axisTitle(capital(words(test.x_name)), x),
+    yTitle: axisTitle(capital(words(test.channel)), y),
+    xDomain: xDomain(
+      xs.map((v) => v * x.factor),
+      test.x_log,
+    ),
     yDomain: yDomain(ys.map((v) => v * y.factor)),
     xShown: (v) => (shownX(v) ? v * x.factor : NaN),
     yShown: (v) => (finite(v) ? v * y.factor : NaN),
@@ -41,7 +49,14 @@ function xDomain(xs, log) {
 function scales(axes, width, height) {
   return [
     { name: "x", type: axes.log ? "log" : "linear", domain: axes.xDomain, range: [0, width], nice: false, zero: false },
-    { name: "y", type: "linear", domain: axes.yDomain, range: axes.reversed ? [0, height] : [height, 0], nice: true, zero: false },
+    {
+      name: "y",
+      type: "linear",
+      domain: axes.yDomain,
+      range: axes.reversed ? [0, height] : [height, 0],
+      nice: true,
+      zero: false,
+    },
   ];
 }
 

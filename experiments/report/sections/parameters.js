@@ -1,6 +1,16 @@
 // The table of parameters: estimate, intervals, and in plain words whether the measurements say anything about each.
 const { el, table } = require("page/dom.js");
-const { finite, interval, intervalNote, list, missing, percent, quantity, words } = require("page/format.js");
+const {
+  finite,
+  interval,
+  intervalNote,
+  list,
+  missing,
+  percent,
+  quantity,
+  symbolText,
+  words,
+} = require("page/format.js");
 
 // Width of the posterior interval as a share of the prior's, on the scale (linear or logarithmic) of the prior.
 function widthShare(p) {
@@ -21,31 +31,51 @@ function standing(p) {
   const share = widthShare(p);
   const width = finite(share) ? `interval is ${percent(share)} of the prior’s${p.log ? ", in logarithms" : ""}` : "";
   if (p.identified) return el("div", "", el("span", "mark yes", "identified"), el("div", "note", width));
-  return el("div", "", el("span", "mark no", "not identified"),
-    el("div", "note", `posterior no narrower than prior${width ? `: ${width}` : ""}`));
+  return el(
+    "div",
+    "",
+    el("span", "mark no", "not identified"),
+    el("div", "note", `posterior no narrower than prior${width ? `: ${width}` : ""}`),
+  );
 }
+
+function nameCell(p) {
+  const meaning = p.meaning ? el("div", "note", String(p.meaning)) : null;
+  return el("div", "", el("span", "symbol", symbolText(p.symbol ?? "")), " ", words(p.name), meaning);
+}
+
+const median = (p) => (finite(p.q50) ? `median ${quantity(p.q50, p.unit)}` : "");
+const unlessFixed = (cell) => (p) => (p.fixed ? missing : cell(p));
+
+const intervalColumns = [
+  { head: "90 % interval", number: true, cell: unlessFixed((p) => intervalCell(p.q05, p.q95, p.unit, median(p))) },
+  {
+    head: "Prior’s 90 % interval",
+    number: true,
+    cell: unlessFixed((p) => intervalCell(p.prior_q05, p.prior_q95, p.unit)),
+  },
+  { head: "Identified?", cell: standing },
+];
 
 function render(parent, data) {
   const parameters = list(data.parameters);
   const fitted = parameters.some((p) => !p.fixed && (finite(p.q05) || typeof p.identified === "boolean"));
+  const value = (p) => el("strong", "", quantity(p.estimate, p.unit));
   const columns = [
-    { head: "Parameter", cell: (p) => el("div", "", el("span", "symbol", p.symbol ?? ""), " ", words(p.name),
-      p.meaning ? el("div", "note", String(p.meaning)) : null) },
-    { head: fitted ? "Estimate" : "Value", number: true, cell: (p) => el("strong", "", quantity(p.estimate, p.unit)) },
+    { head: "Parameter", cell: nameCell },
+    { head: fitted ? "Estimate" : "Value", number: true, cell: value },
   ];
-  if (fitted) {
-    columns.push(
-      { head: "90 % interval", number: true, cell: (p) => (p.fixed ? missing
-        : intervalCell(p.q05, p.q95, p.unit, finite(p.q50) ? `median ${quantity(p.q50, p.unit)}` : "")) },
-      { head: "Prior’s 90 % interval", number: true, cell: (p) => (p.fixed ? missing
-        : intervalCell(p.prior_q05, p.prior_q95, p.unit)) },
-      { head: "Identified?", cell: standing });
-  }
-  parent.append(table(columns, parameters, "parameters"));
-  const unknown = parameters.filter((p) => p.identified === false && !p.fixed);
+  parent.append(table([...columns, ...(fitted ? intervalColumns : [])], parameters, "parameters"));
+  const unknown = parameters.filter((p) => p.identified === false && !p.fixed).map((p) => words(p.name));
   if (unknown.length > 0) {
-    parent.append(el("p", "remark", `The measurements do not determine ${unknown.map((p) => words(p.name)).join(", ")}: `
-      + "the values given there come from the prior, and others would fit as well."));
+    parent.append(
+      el(
+        "p",
+        "remark",
+        `The measurements do not determine ${unknown.join(", ")}: the values given there come ` +
+          "from the prior, and others would fit as well.",
+      ),
+    );
   }
 }
 

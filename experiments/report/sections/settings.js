@@ -2,9 +2,16 @@
 const { el } = require("page/dom.js");
 
 function render(parent, data) {
-  const block = el("details", "", el("summary", "", "All settings of this run (TOML)"), el("pre", "", String(data.settings)));
+  const block = el(
+    "details",
+    "",
+    el("summary", "", "All settings of this run (TOML)"),
+    el("pre", "", String(data.settings)),
+  );
   parent.append(block);
-  window.addEventListener("beforeprint", () => { block.open = true; });
+  window.addEventListener("beforeprint", () => {
+    block.open = true;
+  });
 }
 
 exports.render = render;

@@ -1,22 +1,38 @@
 // Every lab test: the measured curve with what the model makes of it, the residuals, and what is left over and where.
 const { el, table } = require("page/dom.js");
 const { chart } = require("page/chart.js");
-const { capital, curveError, displayScale, finite, isRatio, isStrain, list, mean, number, quantity, short, words } = require("page/format.js");
+const {
+  capital,
+  curveError,
+  displayScale,
+  finite,
+  isRatio,
+  isStrain,
+  list,
+  mean,
+  number,
+  quantity,
+  short,
+  words,
+} = require("page/format.js");
 const { makeSpec, residualRows } = require("sections/test_chart.js");
 
 const unitOf = (test) => test.unit ?? test.y_unit;
 const kind = (test) => capital(words(test.kind));
 
 function overview(tests) {
-  return table([
-    { head: "Test", cell: (t) => kind(t) },
-    { head: "File", cell: (t) => String(t.file ?? "") },
-    { head: "Channel", cell: (t) => words(t.channel) },
-    { head: "Role", cell: (t) => (t.held_out ? "held out" : "used") },
-    { head: "Points", number: true, cell: (t) => String(t.points ?? list(t.x).length) },
-    { head: "RMSE", number: true, cell: (t) => curveError(t.rmse, unitOf(t), t.channel) },
-    { head: "Correlation r", number: true, cell: (t) => number(t.r, 4) },
-  ], tests);
+  return table(
+    [
+      { head: "Test", cell: (t) => kind(t) },
+      { head: "File", cell: (t) => String(t.file ?? "") },
+      { head: "Channel", cell: (t) => words(t.channel) },
+      { head: "Role", cell: (t) => (t.held_out ? "held out" : "used") },
+      { head: "Points", number: true, cell: (t) => String(t.points ?? list(t.x).length) },
+      { head: "RMSE", number: true, cell: (t) => curveError(t.rmse, unitOf(t), t.channel) },
+      { head: "Correlation r", number: true, cell: (t) => number(t.r, 4) },
+    ],
+    tests,
+  );
 }
 
 // A difference with its sign, in percent of strain or in the unit of the channel.
@@ -42,11 +58,15 @@ function leftOver(test) {
   const worst = rows.reduce((a, b) => (Math.abs(b.residual) > Math.abs(a.residual) ? b : a));
   const judged = rows.filter((row) => finite(row.scatter));
   const outside = judged.filter((row) => row.outside).length;
-  const parts = [`Left over, measured − simulated: ${difference(mean(rows.map((r) => r.residual)), test)} on average, `
-    + `at most ${difference(worst.residual, test)}, at ${place(worst, test)}.`];
+  const parts = [
+    `Left over, measured − simulated: ${difference(mean(rows.map((r) => r.residual)), test)} on average, ` +
+      `at most ${difference(worst.residual, test)}, at ${place(worst, test)}.`,
+  ];
   if (judged.length > 0) {
-    parts.push(`${outside} of ${judged.length} readings lie outside the scatter that measurement, packing and emulator `
-      + `explain in 90 % of cases (about ${Math.round(0.1 * judged.length)} would by chance).`);
+    parts.push(
+      `${outside} of ${judged.length} readings lie outside the scatter that measurement, packing and emulator ` +
+        `explain in 90 % of cases (about ${Math.round(0.1 * judged.length)} would by chance).`,
+    );
   }
   return parts.join(" ");
 }
@@ -55,11 +75,16 @@ function how(test) {
   const parts = [];
   const replicates = list(test.replicates).length;
   if (list(test.simulated).some(finite)) {
-    parts.push(`Simulated: ${replicates > 1 ? `mean of ${replicates} DEM runs on different packings (thin lines)` : "by DEM"}.`);
+    parts.push(
+      `Simulated: ${replicates > 1 ? `mean of ${replicates} DEM runs on different packings (thin lines)` : "by DEM"}.`,
+    );
   }
   if (list(test.band_lower).some(finite)) parts.push("Band: 90 % credible for the simulated curve.");
   const hidden = test.x_log ? list(test.x).filter((x) => finite(x) && x <= 0).length : 0;
-  if (hidden > 0) parts.push(`${hidden} ${hidden > 1 ? "readings" : "reading"} at zero or below cannot be shown on a logarithmic axis.`);
+  if (hidden > 0)
+    parts.push(
+      `${hidden} ${hidden > 1 ? "readings" : "reading"} at zero or below cannot be shown on a logarithmic axis.`,
+    );
   return parts.join(" ");
 }
 
@@ -71,7 +96,9 @@ function render(parent, data) {
   parent.append(grid);
   for (const test of drawn) {
     chart(grid, {
-      title: [kind(test), test.file, words(test.channel) + (test.held_out ? " (held out)" : "")].filter(Boolean).join(" · "),
+      title: [kind(test), test.file, words(test.channel) + (test.held_out ? " (held out)" : "")]
+        .filter(Boolean)
+        .join(" · "),
       caption: [how(test), leftOver(test)].filter(Boolean).join(" "),
       makeSpec: (width) => makeSpec(test, width),
     });

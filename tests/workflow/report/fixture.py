@@ -16,10 +16,10 @@ MEASURED = [0, 0.00106074, 0.0123867, 0.0236099, 0.0367151, 0.0484175, 0.0642943
 PARAMETERS = [
     # name, symbol, unit, meaning, log, centre and spread of the posterior, of the prior (log10 where log)
     ("young_modulus", "E", "Pa", "stiffness of the contacts' elastic columns", True, (6.42, 0.04), (6.6, 0.45)),
-    ("stiffness_ratio", "kₜ/kₙ", "1", "tangential over normal stiffness", False, (0.42, 0.17), (0.4, 0.17)),
-    ("friction_angle", "φ", "rad", "angle of Coulomb friction between particles", False, (0.51, 0.035), (0.5, 0.16)),
-    ("normal_cohesion", "cₙ", "Pa", "tensile strength of a contact over its section", True, (3.1, 0.5), (3.1, 0.5)),
-    ("shear_cohesion", "cₛ", "Pa", "shear strength of a contact at zero normal force", True, (3.4, 0.3), (3.1, 0.5)),
+    ("stiffness_ratio", "k_t/k_n", "1", "tangential over normal stiffness", False, (0.42, 0.17), (0.4, 0.17)),
+    ("friction_angle", "phi", "rad", "angle of Coulomb friction between particles", False, (0.51, 0.035), (0.5, 0.16)),
+    ("normal_cohesion", "C_n", "Pa", "tensile strength of a contact over its section", True, (3.1, 0.5), (3.1, 0.5)),
+    ("shear_cohesion", "C_t", "Pa", "shear strength of a contact at zero normal force", True, (3.4, 0.3), (3.1, 0.5)),
 ]
 Z90 = 1.645
 
