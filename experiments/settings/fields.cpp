@@ -7,6 +7,8 @@
 #include <cmath>
 
 #include "lab_data/sample.hpp"
+#include "optimizers/registry.hpp"
+#include "surrogate/kernels/registry.hpp"
 
 namespace loam::experiments {
 namespace {
@@ -32,7 +34,16 @@ Names designs() {
     return {"latin-hypercube", "sobol"};
 }
 Names kernels() {
-    return {"matern52", "squared-exponential"};
+    Names names;
+    for (const surrogate::KernelInfo& kernel : surrogate::kernels()) names.push_back(kernel.name);
+    return names;
+}
+
+Names global_optimisers() {
+    Names names;
+    for (const optimizers::Optimiser& entry : optimizers::optimisers())
+        if (entry.scope == optimizers::Scope::global) names.push_back(entry.name);
+    return names;
 }
 
 Names law_names() {
@@ -93,7 +104,7 @@ const std::array table{
     Field{"engine", "fragile", [](Settings& s) -> Slot { return &s.engine.fragile; },
           "a cohesive bond, once broken, does not heal"},
     Field{"engine", "interaction_range", [](Settings& s) -> Slot { return &s.engine.interaction_range; },
-          "reach of a cohesive bond over the sum of radii, 1", {.lower = 1, .upper = 3}},
+          "reach of a cohesive bond over the sum of radii, 1", {.lower = 1, .upper = 2}},
 
     Field{"specimen", "size_spread", [](Settings& s) -> Slot { return &s.specimen.size_spread; },
           "radii are uniform over the mean radius times 1 +- this, 1", {.lower = 0, .upper = 0.9}},
@@ -109,9 +120,7 @@ const std::array table{
     Field{"calibration", "kernel", [](Settings& s) -> Slot { return &s.calibration.kernel; },
           "covariance of the emulator", {}, kernels},
     Field{"calibration", "global_optimizer", [](Settings& s) -> Slot { return &s.calibration.global_optimizer; },
-          "of the search on the emulator"},
-    Field{"calibration", "local_optimizer", [](Settings& s) -> Slot { return &s.calibration.local_optimizer; },
-          "of the refinement on the emulator"},
+          "of the search on the emulator", {}, global_optimisers},
     Field{"calibration", "replicates", [](Settings& s) -> Slot { return &s.calibration.replicates; },
           "further packings, from which packing noise is learnt", count(0)},
     Field{"calibration", "confirmation_packings", [](Settings& s) -> Slot { return &s.calibration.confirmation_packings; },
@@ -122,6 +131,8 @@ const std::array table{
           "runs in each of them", count(1)},
     Field{"calibration", "posterior_draws", [](Settings& s) -> Slot { return &s.calibration.posterior_draws; },
           "kept draws of the posterior", count(100, 1e7)},
+    Field{"calibration", "specimen_particles", [](Settings& s) -> Slot { return &s.calibration.specimen_particles; },
+          "the measured specimen scatters like a packing of so many particles; 0: as the runs do", count(0, 1e12)},
 };
 // clang-format on
 

@@ -1,10 +1,12 @@
 #include "experiments/settings/inputs.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cctype>
 
+#include "experiments/lab_tests/registry.hpp"
 #include "experiments/output/file_descriptor.hpp"
 #include "experiments/settings/conversion.hpp"
 #include "experiments/settings/validation.hpp"
@@ -50,17 +52,45 @@ void resolve_hold_out(Draft& draft, const lab_data::Sample& sample) {
                            fmt::format("is not a test of the sample {}", sample.name),
                            lab_data::suggest_name(file, valid));
     }
-    if (draft.settings.hold_out.size() == valid.size())
-        throw fault_at(origin_of(draft.origins, "hold_out"), "", "leaves no test to fit", "hold out fewer");
 }
 
-void check_kinds(const Draft& draft, const lab_data::Sample& sample) {
-    for (const std::string& kind : draft.settings.tests)
-        if (std::ranges::none_of(sample.tests,
-                                 [&](const auto& test) { return to_string(test.kind) == kind; }))
-            throw fault_at(origin_of(draft.origins, "tests"), kind,
-                           fmt::format("is not among the tests of the sample {}", sample.name),
+std::vector<std::string_view> kinds_that_can_be_simulated() {
+    std::vector<std::string_view> kinds;
+    for (const LabTestKind& entry : lab_test_kinds()) kinds.push_back(to_string(entry.kind));
+    return kinds;
+}
+
+/// Demands that each kind asked for is there and can be simulated, and that something is left to do.
+void check_tests(const Draft& draft, const lab_data::Sample& sample) {
+    const Settings& settings = draft.settings;
+    const auto contains = [](const auto& names, std::string_view name) {
+        return std::ranges::find(names, name) != names.end();
+    };
+    const std::vector<std::string_view> possible = kinds_that_can_be_simulated();
+    const Origin origin = origin_of(draft.origins, "tests");
+    std::vector<std::string_view> there;
+    std::size_t simulated = 0, fitted = 0;
+    for (const lab_data::Test& test : sample.tests) {
+        there.push_back(to_string(test.kind));
+        const bool wanted = settings.tests.empty() || contains(settings.tests, there.back());
+        if (!wanted || !contains(possible, there.back())) continue;
+        ++simulated;
+        if (!contains(settings.hold_out, test.file)) ++fitted;
+    }
+    for (const std::string& kind : settings.tests) {
+        if (!contains(possible, kind))
+            throw fault_at(origin, kind, "cannot be simulated in this version",
+                           lab_data::suggest_name(kind, possible));
+        if (!contains(there, kind))
+            throw fault_at(origin, kind, fmt::format("is not among the tests of the sample {}", sample.name),
                            "see loam check SAMPLE");
+    }
+    if (simulated == 0)
+        throw fault_at({.name = "sample"}, settings.sample.string(),
+                       "has no test that can be simulated in this version",
+                       fmt::format("it needs a test of kind {}", fmt::join(possible, " or ")));
+    if (settings.verb == "calibrate" && fitted == 0)
+        throw fault_at(origin_of(draft.origins, "hold_out"), "", "leaves no test to fit", "hold out fewer");
 }
 
 }  // namespace
@@ -96,7 +126,7 @@ void resolve_inputs(Draft& draft) {
         settings.sample = fs::weakly_canonical(settings.sample);
         if (!settings.packing.empty()) settings.packing = fs::weakly_canonical(settings.packing);
         resolve_hold_out(draft, sample);
-        check_kinds(draft, sample);
+        check_tests(draft, sample);
         settings.inputs_digest = digest_of_inputs(sample, settings.packing);
         name = sample.name;
     }

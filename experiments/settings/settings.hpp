@@ -30,7 +30,7 @@ struct Prior {
 struct EngineSettings {
     double damping = 0.4;            // Cundall's local damping, 0..1
     double time_step_safety = 0.7;   // fraction of the critical (p-wave) time step
-    double inertial_number = 1e-3;   // target while loading: sets the strain rate
+    double inertial_number = 5e-4;   // target while loading: sets the strain rate
     bool fragile = true;             // a cohesive bond, once broken, does not heal
     double interaction_range = 1.5;  // of the sum of radii: reach of a cohesive bond
     bool operator==(const EngineSettings&) const = default;
@@ -49,13 +49,13 @@ struct SpecimenSettings {
 struct CalibrationSettings {
     std::string design = "latin-hypercube";
     std::string kernel = "matern52";
-    std::string global_optimizer = "crs";
-    std::string local_optimizer = "ceres";
+    std::string global_optimizer = "crs2";
     int replicates = 12;            // further packings at chosen points, from which packing noise is learnt
     int confirmation_packings = 8;  // fresh packings for the direct runs at the estimate
     int max_rounds = 3;             // rounds of runs added where emulator and direct runs disagree
     int runs_per_round = 24;
     int posterior_draws = 4000;
+    int specimen_particles = 0;      // the measured specimen scatters like a packing of so many; 0: as the runs
     bool operator==(const CalibrationSettings&) const = default;
 };
 

@@ -64,12 +64,18 @@ TEST_F(InFolder, HeldOutTestsAreNamedByFileOrPath) {
     EXPECT_NE(said.find("is not a test of the sample dobrany-sand; did you mean"), std::string::npos) << said;
 }
 
-TEST_F(InFolder, AKindThatTheSampleLacksIsRefused) {
-    const std::string said = complaint_of([&] { settings({{"tests", "direct_shear"}}); });
+TEST_F(InFolder, SomethingMustBeLeftToSimulateAndToFit) {
+    const auto said = [&](std::vector<Override> given) { return complaint_of([&] { settings(given); }); };
+    const std::string other = (sand.parent_path() / "toyoura_sand").string();
     EXPECT_NE(
-        said.find("option '--tests': value 'direct_shear' is not among the tests of the sample dobrany-sand"),
-        std::string::npos)
-        << said;
+        said({{"tests", "direct_shear"}}).find("option '--tests': value 'direct_shear' cannot be simulated"),
+        std::string::npos);
+    EXPECT_NE(said({{"tests", "oedometer"}, {"sample", other}})
+                  .find("'oedometer' is not among the tests of the sample toyoura-sand"),
+              std::string::npos);
+    EXPECT_NE(said({{"sample", other}}).find("no test that can be simulated"), std::string::npos);
+    EXPECT_NE(said({{"hold_out", "oedometer_1.csv"}}).find("leaves no test to fit"), std::string::npos);
+    EXPECT_EQ(said({{"tests", "oedometer"}}), "");
 }
 
 TEST_F(InFolder, TheDigestFollowsTheData) {

@@ -112,7 +112,7 @@ class WrongSettings(ProgramTest):
                             (("--rotation", "locked"), "did you mean 'blocked'?"),
                             (("--effects", "creep"), "'creep' is not an effect"),
                             (("--tests", "oedometers"), "did you mean 'oedometer'?"),
-                            (("--tests", "direct_shear"), "is not among the tests of the sample"),
+                            (("--tests", "direct_shear"), "'direct_shear' cannot be simulated in this version"),
                             (("--hold-out", "oedometer_2.csv"), "did you mean 'oedometer_1.csv'?")]:
             with self.subTest(words=words):
                 self.refused_run(*words, says=says)
