@@ -18,7 +18,7 @@ double rate_for_inertial_number(double inertial_number, double mean_stress, doub
 double inertial_number(double rate, double mean_stress, double mean_diameter, double grain_density);
 
 struct ServoOptions {
-    double inertial_number = 1e-3;   // limit of the strain rate of each axis
+    double inertial_number = 5e-3;   // limit of the strain rate of each axis
     double stress_tolerance = 0.01;  // relative, every axis
     double unbalanced_ratio = 0.01;  // at rest below this
     double relaxation_steps = 60;    // time constant of the servo, in steps, for the affine stiffness

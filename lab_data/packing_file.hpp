@@ -20,8 +20,8 @@ struct PackingFile {
 };
 
 /// Reads a file whose first line is `# periodic cell x,y,z in m: 1,1,1`, then a table with the columns
-/// x_m,y_m,z_m,radius_m. Throws UserError with the first fault: file, line, column, value, remedy. A cell side or radius
-/// that is not positive is a fault, and so is a cell narrower than two of the largest spheres.
+/// x_m,y_m,z_m,radius_m. Throws UserError with the first fault: file, line, column, value, remedy. A cell
+/// side or radius that is not positive is a fault, and so is a cell narrower than two of the largest spheres.
 PackingFile read_packing_file(const std::filesystem::path& path);
 
 }  // namespace loam::lab_data

@@ -2,9 +2,11 @@
 
 #include <array>
 
+#include "experiments/workflows/calibrate.hpp"
 #include "experiments/workflows/check.hpp"
 #include "experiments/workflows/effects.hpp"
 #include "experiments/workflows/report.hpp"
+#include "experiments/workflows/simulate.hpp"
 #include "lab_data/user_error.hpp"
 
 namespace loam::experiments {
@@ -21,6 +23,11 @@ const std::array table{
     Verb{"check", "is this sample, data set or configuration sound?", "PATH",
          "folder of a sample or a data set, or a configuration file (.toml)",
          "loam check lab_data/sets/dobrany_sand", run_check},
+    Verb{"simulate", "run the virtual tests forward with given parameters", "SAMPLE", "folder of the sample",
+         "loam simulate lab_data/sets/dobrany_sand --tests oedometer --set young_modulus=1e8 --set friction_angle=0.3",
+         run_simulate},
+    Verb{"calibrate", "fit one sample's contact parameters to its measured curves", "SAMPLE", "folder of the sample",
+         "loam calibrate lab_data/sets/dobrany_sand --tests oedometer", run_calibrate},
     Verb{"report", "write the report of a run again", "RUN", "folder of the run",
          "loam report runs/calibrate-dobrany-sand", run_report},
     Verb{"effects", "list laws and effects with parameters, units, bounds, sources", "", "",

@@ -64,7 +64,7 @@ class Loading {
         const double strain_rate = rate(target);
         gradient(2, 2) = -direction * strain_rate;
         simulation_.set_velocity_gradient(gradient);
-        const Measurement& now = simulation_.advance(options_.servo.measure_every);
+        const Measurement& now = simulation_.advance(options_.measure_every);
         if (cancelled_ && cancelled_()) throw std::runtime_error("cancelled");
         result_.largest_inertial_number = std::max(
             result_.largest_inertial_number,

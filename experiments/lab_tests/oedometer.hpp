@@ -9,6 +9,7 @@
 
 #include "engine/loading.hpp"
 #include "engine/simulation.hpp"
+#include "experiments/lab_tests/registry.hpp"
 
 namespace loam::experiments {
 
@@ -19,6 +20,7 @@ struct OedometerOptions {
     double inertial_number = 1e-3;   // sets the strain rate from the present stress
     double stress_change = 0.003;    // largest relative change of the axial stress in one step
     double strain_rate = 0;          // 1/s: when positive, used throughout instead of the two above
+    int measure_every = 10;          // steps between looks at the stress and the rate
     double largest_strain = 0.45;    // a run beyond it is out of range: the cell gets too flat
     bool record_path = false;        // keep the whole curve
     engine::ServoOptions servo;
@@ -46,5 +48,18 @@ struct OedometerResult {
 /// std::runtime_error.
 OedometerResult run_oedometer(engine::Simulation& simulation, const OedometerOptions& options,
                               const std::function<bool()>& cancelled = {});
+
+// The entries of the table of lab tests (registry.hpp). The reading at the seating stress, where strain is
+// zero by definition, is not simulated; of a phase with more than 40 readings 40 are used, evenly spread over
+// log stress.
+std::vector<std::size_t> oedometer_readings(const lab_data::Test& test);
+std::vector<OutputColumn> oedometer_outputs(const lab_data::Test& test);
+VirtualTestResult run_measured_oedometer(const engine::Packing& packing, const engine::LinearCohesive& law,
+                                         const Settings& settings, double grain_density,
+                                         const lab_data::Test& test, const std::function<bool()>& cancelled);
+
+PictureOfTest picture_of_oedometer(const engine::Packing& packing, const engine::LinearCohesive& law,
+                                   const Settings& settings, double grain_density,
+                                   const lab_data::Test& test);
 
 }  // namespace loam::experiments

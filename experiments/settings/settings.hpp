@@ -30,7 +30,7 @@ struct Prior {
 struct EngineSettings {
     double damping = 0.4;            // Cundall's local damping, 0..1
     double time_step_safety = 0.7;   // fraction of the critical (p-wave) time step
-    double inertial_number = 5e-4;   // target while loading: sets the strain rate
+    double inertial_number = 7e-4;   // target while loading: sets the strain rate
     bool fragile = true;             // a cohesive bond, once broken, does not heal
     double interaction_range = 1.5;  // of the sum of radii: reach of a cohesive bond
     bool operator==(const EngineSettings&) const = default;
@@ -75,7 +75,7 @@ struct Settings {
     std::string rotation = "blocked";  // blocked | free
     std::vector<std::string> effects;
     int particles = 700;
-    int runs = 240;
+    int runs = 200;
     std::string
         inputs_digest;  // of the sample's files and the packing, so that a resumed run meets the same data
     std::map<std::string, double> set;    // parameters held fixed, SI

@@ -1,0 +1,231 @@
+#include "experiments/calibration.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <boost/math/distributions/chi_squared.hpp>
+#include <cmath>
+#include <stdexcept>
+
+#include "experiments/ensemble/run_seed.hpp"
+#include "surrogate/designs.hpp"
+
+namespace loam::experiments {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// Places of the runs in the ensemble: every run's index, and with it its randomness, follows from its
+// purpose.
+constexpr std::uint64_t replicates_from = 1'000'000, rounds_from = 2'000'000, round_size = 10'000;
+constexpr std::uint64_t confirmations_from = 3'000'000;
+constexpr int packings_per_replicated_point = 4;
+// Streams of run_seed.
+constexpr std::uint64_t training_packings = 1, confirmation_packings = 2, design_stream = 3, draw_stream = 4;
+
+/// Training shares a pool of packings, large enough that the pool's own mean is no noticeable error.
+constexpr std::uint64_t packing_pool = 128;
+
+constexpr double agreement = 0.99;        // quantile of the test of emulator against direct runs
+constexpr double tolerable_share = 0.25;  // of the residuals' variance that the emulator may cause
+
+RunSpec make_spec(const Campaign& campaign, std::uint64_t index, const char* purpose,
+                  const VectorXd& parameters) {
+    const std::uint64_t seed = campaign.settings().seed;
+    const bool confirmation = index >= confirmations_from;
+    return {index, purpose, parameters,
+            confirmation ? run_seed(seed, index, confirmation_packings)
+                         : run_seed(seed, index % packing_pool, training_packings),
+            static_cast<std::uint32_t>(campaign.settings().particles)};
+}
+
+MatrixXd design(const Campaign& campaign) {
+    const Settings& settings = campaign.settings();
+    const Index n = settings.runs, d = campaign.space().dimension();
+    const std::uint64_t seed = run_seed(settings.seed, 0, design_stream);
+    const MatrixXd u = settings.calibration.design == "sobol"
+                           ? surrogate::sobol_sequence(n, d, {.seed = seed})
+                           : surrogate::maximin_latin_hypercube(n, d, seed);
+    return campaign.space().from_probabilities(u);
+}
+
+/// Runs drawn from the posterior: distinct draws, evenly over the chains.
+std::vector<RunSpec> added_runs(const Campaign& campaign, const Fit& fit, int round) {
+    const MatrixXd& draws = fit.posterior.draws;
+    const int count = campaign.settings().calibration.runs_per_round;
+    std::vector<RunSpec> specs;
+    for (int k = 0; k < count; ++k) {
+        const auto at = static_cast<std::uint64_t>(round) * round_size + static_cast<std::uint64_t>(k);
+        const Index row = static_cast<Index>(run_seed(campaign.settings().seed, at, draw_stream) %
+                                             static_cast<std::uint64_t>(draws.rows()));
+        const VectorXd x = draws.row(row).head(campaign.space().dimension()).transpose();
+        specs.push_back(make_spec(campaign, rounds_from + at, "training", campaign.space().physical(x)));
+    }
+    return specs;
+}
+
+/// Compares the emulator with the mean of the direct runs, at the estimate.
+CalibrationRound compare(const Calibration& c, const TrainedEmulator& trained) {
+    const Index m = static_cast<Index>(c.columns.size());
+    VectorXd direct = VectorXd::Zero(m);
+    Index runs = 0;
+    for (const RunRecord& run : c.confirmation) {
+        if (!run.ok) continue;
+        ++runs;
+        for (Index k = 0; k < m; ++k)
+            direct[k] += trained.transform.forward(run.outputs[c.columns[static_cast<std::size_t>(k)]]);
+    }
+    direct /= static_cast<double>(runs);
+    const surrogate::CurvePrediction at = trained.emulator.predict(c.fit.estimate);
+    const MatrixXd spread = at.emulator_covariance + at.noise_covariance / static_cast<double>(runs);
+    CalibrationRound round;
+    round.runs = trained.runs;
+    const VectorXd difference = direct - at.mean;
+    round.disagreement = std::sqrt(std::max(0.0, difference.dot(spread.ldlt().solve(difference))));
+    round.limit =
+        std::sqrt(boost::math::quantile(boost::math::chi_squared(static_cast<double>(m)), agreement));
+    round.emulator_share = c.fit.emulator_covariance.trace() / c.fit.covariance.trace();
+    round.text = fmt::format(
+        "{} runs: direct runs differ from the emulator by {:.2f} (limit {:.2f}); the emulator makes "
+        "{:.0f} % of the residuals' variance",
+        round.runs, round.disagreement, round.limit, 100 * round.emulator_share);
+    return round;
+}
+
+void warn_of_search(const Campaign& campaign, Calibration& c) {
+    const optimizers::Posterior& p = c.fit.posterior;
+    if (p.rhat.maxCoeff() > 1.05 || p.ess_bulk.minCoeff() < 200)
+        c.warnings.push_back(
+            fmt::format("the posterior's chains have not settled (R-hat {:.3f}, effective draws {:.0f})",
+                        p.rhat.maxCoeff(), p.ess_bulk.minCoeff()));
+    for (Index k = 0; k < campaign.space().dimension(); ++k)
+        if (c.fit.estimate[k] < 0.01 || c.fit.estimate[k] > 0.99)
+            c.warnings.push_back(fmt::format("{} lies at the bound of its prior; wider bounds may fit better",
+                                             campaign.space().info(k).name));
+}
+
+}  // namespace
+
+VectorXd mean_outputs(const std::vector<RunRecord>& runs) {
+    VectorXd sum;
+    double n = 0;
+    for (const RunRecord& run : runs) {
+        if (!run.ok) continue;
+        if (n == 0) sum = VectorXd::Zero(run.outputs.size());
+        sum += run.outputs;
+        n += 1;
+    }
+    if (n == 0) throw std::runtime_error("every direct run failed; the first reason: " + runs.at(0).reason);
+    return sum / n;
+}
+
+VectorXd sd_outputs(const std::vector<RunRecord>& runs) {
+    const VectorXd mean = mean_outputs(runs);
+    VectorXd sum = VectorXd::Zero(mean.size());
+    double n = 0;
+    for (const RunRecord& run : runs) {
+        if (!run.ok) continue;
+        sum += (run.outputs - mean).cwiseAbs2();
+        n += 1;
+    }
+    return (sum / std::max(1.0, n - 1)).cwiseSqrt();
+}
+
+std::vector<RunRecord> training_runs(Campaign& campaign) {
+    const MatrixXd x = design(campaign);
+    std::vector<RunSpec> specs;
+    for (Index k = 0; k < x.rows(); ++k)
+        specs.push_back(make_spec(campaign, static_cast<std::uint64_t>(k), "training",
+                                  campaign.space().physical(x.row(k).transpose())));
+    std::vector<RunRecord> runs = campaign.run("training", specs);
+
+    std::vector<RunSpec> replicates;
+    std::vector<const RunRecord*> good;
+    for (const RunRecord& run : runs)
+        if (run.ok) good.push_back(&run);
+    const auto wanted = static_cast<std::size_t>(std::max(0, campaign.settings().calibration.replicates));
+    for (std::size_t k = 0; k < std::min(wanted, good.size()); ++k) {
+        const VectorXd& parameters = good[k * good.size() / std::min(wanted, good.size())]->spec.parameters;
+        for (int p = 0; p < packings_per_replicated_point; ++p)
+            replicates.push_back(make_spec(
+                campaign,
+                replicates_from + k * packings_per_replicated_point + static_cast<std::uint64_t>(p) + 1,
+                "replicate", parameters));
+    }
+    for (RunRecord& run : campaign.run("replicates", replicates)) runs.push_back(std::move(run));
+    return runs;
+}
+
+std::vector<RunRecord> direct_runs(Campaign& campaign, const VectorXd& parameters, int round, int count) {
+    std::vector<RunSpec> specs;
+    for (int k = 0; k < count; ++k)
+        specs.push_back(make_spec(campaign,
+                                  confirmations_from + static_cast<std::uint64_t>(round) * round_size +
+                                      static_cast<std::uint64_t>(k),
+                                  "confirmation", parameters));
+    return campaign.run("direct runs", specs);
+}
+
+Observation observation_of(const Campaign& campaign, std::vector<Index>& columns) {
+    const Settings& settings = campaign.settings();
+    std::vector<double> measured, sd;
+    bool stated = true;
+    columns.clear();
+    for (const CampaignTest& test : campaign.tests()) {
+        if (test.held_out) continue;
+        const std::vector<double>& strain = test.test->column("axial_strain");
+        const auto given = test.test->measurement_sd.find("axial_strain");
+        stated = stated && given != test.test->measurement_sd.end();
+        for (std::size_t k = 0; k < test.readings.size(); ++k) {
+            columns.push_back(test.first + static_cast<Index>(k));
+            measured.push_back(strain[test.readings[k]]);
+            sd.push_back(stated ? given->second : 0.0);
+        }
+    }
+    Observation out;
+    out.measured = Eigen::Map<VectorXd>(measured.data(), static_cast<Index>(measured.size()));
+    if (stated) out.sd = Eigen::Map<VectorXd>(sd.data(), static_cast<Index>(sd.size()));
+    if (settings.calibration.specimen_particles > 0)
+        out.packing_share = static_cast<double>(settings.particles) / settings.calibration.specimen_particles;
+    return out;
+}
+
+Calibration calibrate(Campaign& campaign) {
+    Calibration c;
+    const Observation observation = observation_of(campaign, c.columns);
+    if (c.columns.empty()) throw std::runtime_error("every test is held out: nothing is left to fit");
+    if (campaign.space().dimension() == 0)
+        throw std::runtime_error(
+            "every parameter is fixed: nothing is left to fit; loam simulate runs the tests");
+    std::vector<RunRecord> runs = training_runs(campaign);
+    const int last = campaign.settings().calibration.max_rounds;
+    for (int round = 0; round <= last; ++round) {
+        c.trained.emplace(train_emulator(runs, campaign.space(), c.columns, campaign.settings()));
+        c.fit = fit(*c.trained, campaign.space(), observation, campaign.settings());
+        c.confirmation = direct_runs(campaign, campaign.space().physical(c.fit.estimate), round,
+                                     campaign.settings().calibration.confirmation_packings);
+        c.simulated = mean_outputs(c.confirmation);
+        c.replicate_sd = sd_outputs(c.confirmation);
+        c.rounds.push_back(compare(c, *c.trained));
+        const CalibrationRound& now = c.rounds.back();
+        if (now.disagreement <= now.limit && now.emulator_share <= tolerable_share) {
+            c.stopped_by = "the emulator agrees with direct runs and is a small part of the uncertainty";
+            break;
+        }
+        if (round == last) {
+            c.stopped_by = "the number of rounds allowed";
+            if (now.disagreement > now.limit)
+                c.warnings.push_back("emulator and direct runs still disagree at the estimate: " + now.text);
+            break;
+        }
+        for (RunRecord& run : campaign.run("added runs", added_runs(campaign, c.fit, round)))
+            runs.push_back(std::move(run));
+    }
+    warn_of_search(campaign, c);
+    return c;
+}
+
+}  // namespace loam::experiments

@@ -1,0 +1,53 @@
+// The calibration loop: design -> runs -> emulator -> fit -> direct runs at the estimate on fresh packings;
+// where emulator and direct runs disagree by more than their noise, or the emulator is still the largest
+// uncertainty, runs are added where the posterior lies and the loop goes round.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "experiments/campaign.hpp"
+#include "experiments/fit.hpp"
+
+namespace loam::experiments {
+
+struct CalibrationRound {
+    Eigen::Index runs = 0;      // that trained the emulator
+    double disagreement = 0;    // Mahalanobis distance of the direct runs' mean from the emulator
+    double limit = 0;           // of that distance: 99 % quantile if the emulator is right
+    double emulator_share = 0;  // of the variance of the residuals
+    std::string text;
+};
+
+struct Calibration {
+    std::optional<TrainedEmulator> trained;
+    Fit fit;
+    std::vector<Eigen::Index> columns;  // outputs that were fitted
+    std::vector<CalibrationRound> rounds;
+    std::vector<RunRecord> confirmation;  // direct runs at the estimate on packings that no emulator saw
+    Eigen::VectorXd simulated;            // [outputs] their mean, SI
+    Eigen::VectorXd replicate_sd;         // [outputs] their scatter, SI
+    std::string stopped_by;
+    std::vector<std::string> warnings;
+};
+
+/// The runs that train the first emulator: the design, and further packings at some of its points.
+std::vector<RunRecord> training_runs(Campaign& campaign);
+
+/// `count` direct runs at `parameters` (SI) on packings that no emulator is trained on; `round` tells their packings from
+/// other rounds'.
+std::vector<RunRecord> direct_runs(Campaign& campaign, const Eigen::VectorXd& parameters, int round, int count);
+
+/// The measured values of the campaign's fitted outputs, with their columns.
+Observation observation_of(const Campaign& campaign, std::vector<Eigen::Index>& columns);
+
+/// Runs the whole loop. Throws Interrupted, and std::runtime_error where too many runs fail.
+Calibration calibrate(Campaign& campaign);
+
+/// Mean of the successful runs' outputs [m]; throws std::runtime_error with the first reason if none
+/// succeeded.
+Eigen::VectorXd mean_outputs(const std::vector<RunRecord>& runs);
+Eigen::VectorXd sd_outputs(const std::vector<RunRecord>& runs);
+
+}  // namespace loam::experiments

@@ -1,0 +1,191 @@
+#include "experiments/campaign.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "experiments/output/progress.hpp"
+
+namespace loam::experiments {
+namespace {
+
+/// A run is called quasi-static while the force that is out of balance stays below this share of a contact's
+/// force.
+constexpr double largest_unbalanced_ratio = 0.15;
+constexpr double largest_servo_error = 0.01;
+
+bool wanted(const Settings& settings, const lab_data::Test& test) {
+    const std::string kind(to_string(test.kind));
+    return settings.tests.empty() || std::ranges::find(settings.tests, kind) != settings.tests.end();
+}
+
+std::vector<CampaignTest> select_tests(const Settings& settings, const lab_data::Sample& sample,
+                                       std::vector<std::string>& warnings) {
+    std::vector<CampaignTest> out;
+    Eigen::Index first = 0;
+    for (const lab_data::Test& test : sample.tests) {
+        if (!wanted(settings, test)) continue;
+        const LabTestKind* kind = find_lab_test(test.kind);
+        if (kind == nullptr) {
+            const std::string text =
+                fmt::format("tests of kind {} cannot be simulated yet", to_string(test.kind));
+            if (!settings.tests.empty())
+                throw lab_data::UserError({.column = "--tests",
+                                           .value = std::string(to_string(test.kind)),
+                                           .constraint = "cannot be simulated yet",
+                                           .remedy = "use --tests oedometer"});
+            warnings.push_back(fmt::format("{} is left out: {}", test.file, text));
+            continue;
+        }
+        CampaignTest entry{&test, kind, kind->readings(test), first, false, target_porosity(settings, test)};
+        if (entry.readings.empty())
+            throw lab_data::UserError({.file = test.file,
+                                       .constraint = "has no reading beyond the seating stress",
+                                       .remedy = "give further stages, or a lower seating_stress_kPa"});
+        if (entry.readings.size() < test.size() / 2)
+            warnings.push_back(fmt::format("{}: {} of {} readings are used, spread over log stress",
+                                           test.file, entry.readings.size(), test.size()));
+        entry.held_out = std::ranges::find(settings.hold_out, test.file) != settings.hold_out.end();
+        first += static_cast<Eigen::Index>(entry.readings.size());
+        out.push_back(entry);
+    }
+    if (out.empty())
+        throw lab_data::UserError({.file = sample.folder.string(),
+                                   .constraint = "has no test that is asked for and can be simulated",
+                                   .remedy = "an oedometer test is needed; see --tests"});
+    return out;
+}
+
+EnsembleHeader make_header(const Settings& settings, const ParameterSpace& space,
+                           const std::vector<CampaignTest>& tests, double grain_density) {
+    EnsembleHeader header;
+    header.campaign_seed = settings.seed;
+    for (std::size_t p = 0; p < space.law->parameters.size(); ++p) {
+        const engine::ParameterInfo& info = space.law->parameters[p];
+        const double value = space.values[static_cast<Eigen::Index>(p)];
+        header.parameters.push_back({std::string(info.name), std::string(info.unit), value, value});
+    }
+    for (std::size_t k = 0; k < space.fitted.size(); ++k) {
+        header.parameters[space.fitted[k]].lower = space.priors[k].lower;
+        header.parameters[space.fitted[k]].upper = space.priors[k].upper;
+    }
+    for (const CampaignTest& test : tests)
+        for (const OutputColumn& column : test.kind->outputs(*test.test)) header.outputs.push_back(column);
+    header.diagnostics = {{"inertial_number", ""}, {"unbalanced_ratio", ""}, {"servo_error", ""},
+                          {"overlap", ""},         {"energy_error", ""},     {"steps", ""},
+                          {"porosity", ""}};
+    auto& a = header.attributes;
+    a["program_version"] = LOAM_VERSION;
+    a["law"] = settings.law;
+    a["rotation"] = settings.rotation;
+    a["inputs_digest"] = settings.inputs_digest;
+    a["grain_density_kg_m3"] = fmt::format("{}", grain_density);
+    a["size_spread"] = fmt::format("{}", settings.specimen.size_spread);
+    a["preparation_stress_kPa"] = fmt::format("{}", settings.specimen.preparation_stress_kPa);
+    a["damping"] = fmt::format("{}", settings.engine.damping);
+    a["time_step_safety"] = fmt::format("{}", settings.engine.time_step_safety);
+    a["inertial_number"] = fmt::format("{}", settings.engine.inertial_number);
+    a["fragile"] = settings.engine.fragile ? "true" : "false";
+    a["interaction_range"] = fmt::format("{}", settings.engine.interaction_range);
+    for (const CampaignTest& test : tests)
+        a["specimen_porosity " + test.test->file] = fmt::format("{}", test.porosity);
+    return header;
+}
+
+}  // namespace
+
+Campaign::Campaign(const Settings& settings, const lab_data::Sample& sample,
+                   const std::filesystem::path& folder, RunLog* log)
+    : settings_(settings),
+      space_(parameter_space(settings)),
+      tests_(select_tests(settings, sample, warnings_)),
+      grain_density_(settings.specimen.grain_density_kg_m3.value_or(
+          sample.grain_density > 0 ? sample.grain_density : 2600.0)),
+      specimens_(settings_),
+      store_(folder, make_header(settings, space_, tests_, grain_density_)),
+      log_(log) {
+    for (const CampaignTest& test : tests_) outputs_ += static_cast<Eigen::Index>(test.readings.size());
+    if (!settings.packing.empty()) given_packing_ = load_packing(settings.packing);
+}
+
+engine::Packing Campaign::packing_of(const CampaignTest& test, const RunSpec& spec, const StopToken& stop) {
+    if (given_packing_) return *given_packing_;
+    return specimens_.get(test.porosity, spec.particles, spec.packing_seed, stop)->packing;
+}
+
+std::shared_ptr<const engine::PackingResult> Campaign::specimen(const RunSpec& spec) {
+    return specimens_.get(tests_.front().porosity, spec.particles, spec.packing_seed, SignalScope::token());
+}
+
+engine::Packing Campaign::packing(const RunSpec& spec) {
+    return packing_of(tests_.front(), spec, SignalScope::token());
+}
+
+RunRecord Campaign::simulate(const RunSpec& spec, const StopToken& stop) {
+    RunRecord record;
+    record.outputs.resize(outputs_);
+    record.diagnostics = Eigen::VectorXd::Zero(diagnostic_count);
+    record.ok = true;
+    for (const CampaignTest& test : tests_) {
+        const engine::Packing packing = packing_of(test, spec, stop);
+        const engine::LinearCohesive law = contact_law(settings_, *space_.law, spec.parameters);
+        VirtualTestResult result = test.kind->run(packing, law, settings_, grain_density_, *test.test, [&] {
+            stop.throw_if_requested();
+            return false;
+        });
+        auto& d = record.diagnostics;
+        const auto worst = [&](Diagnostic which, double value) { d[which] = std::max(d[which], value); };
+        worst(inertial_number, result.inertial_number);
+        worst(unbalanced_ratio, result.unbalanced_ratio);
+        worst(servo_error, result.servo_error);
+        worst(overlap, result.overlap);
+        worst(energy_error, result.energy_error);
+        worst(porosity, packing.porosity());
+        d[steps] += result.steps;
+        if (result.ok && result.unbalanced_ratio > largest_unbalanced_ratio) {
+            result.ok = false;
+            result.reason =
+                fmt::format("not quasi-static: mean unbalanced-force ratio {:.3f}", result.unbalanced_ratio);
+        }
+        if (result.ok && result.servo_error > largest_servo_error) {
+            result.ok = false;
+            result.reason =
+                fmt::format("the seating stress was missed by {:.1f} %", 100 * result.servo_error);
+        }
+        if (!result.ok) {
+            record.ok = false;
+            record.reason = fmt::format("{}: {}", test.test->file, result.reason);
+            record.outputs.resize(0);
+            return record;
+        }
+        record.outputs.segment(test.first, result.outputs.size()) = result.outputs;
+    }
+    return record;
+}
+
+std::vector<RunRecord> Campaign::run(std::string_view title, std::span<const RunSpec> specs) {
+    ProgressOptions shown;
+    shown.style = progress_style(settings_.quiet);
+    Progress progress(std::string(title), specs.size(), shown);
+    EnsembleOptions options;
+    options.jobs = settings_.jobs;
+    options.on_progress = [&](const EnsembleProgress& now) {
+        progress.update({now.reused + now.executed, now.reused, now.failed});
+    };
+    EnsembleSummary summary = run_ensemble(
+        store_, specs, [this](const RunSpec& s, const StopToken& stop) { return simulate(s, stop); },
+        options);
+    progress.finish();
+    if (log_ != nullptr)
+        log_->write(fmt::format("{}: {} runs, {} of them made before, {} failed, {:.1f} s", title,
+                                specs.size(), summary.reused, summary.failed, summary.seconds));
+    return std::move(summary.records);
+}
+
+std::size_t failed_count(const EnsembleStore& store) {
+    const std::vector<RunRecord> all = store.records();
+    return static_cast<std::size_t>(std::ranges::count_if(all, [](const RunRecord& r) { return !r.ok; }));
+}
+
+}  // namespace loam::experiments

@@ -1,0 +1,84 @@
+// A campaign: virtual tests of one sample, run for many parameter sets and packings, kept in the run folder's
+// store.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "experiments/ensemble/ensemble.hpp"
+#include "experiments/lab_tests/registry.hpp"
+#include "experiments/output/log.hpp"
+#include "experiments/parameter_space.hpp"
+#include "experiments/specimens.hpp"
+#include "experiments/store/ensemble_store.hpp"
+#include "lab_data/sample.hpp"
+
+namespace loam::experiments {
+
+/// A measured test that is simulated, and where its numbers stand among a run's outputs.
+struct CampaignTest {
+    const lab_data::Test* test;
+    const LabTestKind* kind;
+    std::vector<std::size_t> readings;  // [n] of the measurement
+    Eigen::Index first = 0;             // outputs first .. first + n - 1
+    bool held_out = false;
+    double porosity = 0;  // at which its specimen is made
+};
+
+/// Diagnostics of every run, in the order in which the store keeps them.
+enum Diagnostic : Eigen::Index {
+    inertial_number,
+    unbalanced_ratio,
+    servo_error,
+    overlap,
+    energy_error,
+    steps,
+    porosity,
+    diagnostic_count
+};
+
+class Campaign {
+  public:
+    /// `folder` holds the store; `log` may be null. The sample must outlive the campaign. Throws UserError
+    /// where no test of the sample can be simulated, and what the store throws.
+    Campaign(const Settings& settings, const lab_data::Sample& sample, const std::filesystem::path& folder,
+             RunLog* log);
+
+    const Settings& settings() const { return settings_; }
+    const ParameterSpace& space() const { return space_; }
+    const std::vector<CampaignTest>& tests() const { return tests_; }
+    const EnsembleStore& store() const { return store_; }
+    Eigen::Index output_count() const { return outputs_; }
+    const std::vector<std::string>& warnings() const { return warnings_; }
+
+    /// Makes the runs that are missing, with a progress bar under that title. Records in the order of the
+    /// specs.
+    std::vector<RunRecord> run(std::string_view title, std::span<const RunSpec> specs);
+
+    /// The packing of the first test of that run.
+    std::shared_ptr<const engine::PackingResult> specimen(const RunSpec& spec);
+    /// What that run's first test was made of: its packing, or the one that the settings name.
+    engine::Packing packing(const RunSpec& spec);
+    double grain_density() const { return grain_density_; }
+
+  private:
+    RunRecord simulate(const RunSpec& spec, const StopToken& stop);
+    engine::Packing packing_of(const CampaignTest& test, const RunSpec& spec, const StopToken& stop);
+
+    Settings settings_;
+    ParameterSpace space_;
+    std::vector<CampaignTest> tests_;
+    Eigen::Index outputs_ = 0;
+    double grain_density_ = 0;
+    std::vector<std::string> warnings_;
+    std::optional<engine::Packing> given_packing_;
+    SpecimenPool specimens_;
+    EnsembleStore store_;
+    RunLog* log_;
+};
+
+/// Runs that failed among the records.
+std::size_t failed_count(const EnsembleStore& store);
+
+}  // namespace loam::experiments

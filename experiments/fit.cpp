@@ -1,0 +1,228 @@
+#include "experiments/fit.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "experiments/ensemble/run_seed.hpp"
+#include "optimizers/least_squares.hpp"
+#include "optimizers/registry.hpp"
+#include "surrogate/kernels/registry.hpp"
+
+namespace loam::experiments {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double identified_below = 0.75;  // posterior over prior width
+
+/// Relative noise of a laboratory curve about the model: a percent, give or take a factor of two (DESIGN: one
+/// percent is what careful tests repeat to); up to 30 %, so that a model that cannot follow is not trusted
+/// too much.
+const surrogate::Prior tau_prior{surrogate::PriorKind::lognormal, -2.0, 0.3, 1e-3, 0.3};
+
+class Likelihood {
+  public:
+    Likelihood(const TrainedEmulator& trained, const ParameterSpace& space, const Observation& observation)
+        : trained_(trained), space_(space), observation_(observation) {
+        const Index m = observation.measured.size();
+        target_.resize(m);
+        slope_.resize(m);
+        for (Index k = 0; k < m; ++k) {
+            target_[k] = trained.transform.forward(observation.measured[k]);
+            slope_[k] = trained.transform.derivative(std::max(observation.measured[k], 0.0));
+        }
+    }
+
+    Index parameters() const { return space_.dimension(); }
+    Index dimension() const { return parameters() + (observation_.sd ? 0 : 1); }
+    double tau(const VectorXd& theta) const {
+        return observation_.sd ? 0.0 : tau_prior.from_unit(theta[parameters()]);
+    }
+
+    VectorXd measurement_variance(double tau) const {
+        VectorXd out(target_.size());
+        for (Index k = 0; k < out.size(); ++k) {
+            const double y = observation_.measured[k];
+            const double sd2 = observation_.sd ? std::pow((*observation_.sd)[k], 2)
+                                               : std::pow(observation_.floor, 2) + std::pow(tau * y, 2);
+            out[k] = sd2 * slope_[k] * slope_[k];
+        }
+        return out;
+    }
+
+    MatrixXd covariance(const VectorXd& theta, MatrixXd* emulator_part = nullptr,
+                        VectorXd* mean = nullptr) const {
+        const surrogate::CurvePrediction at = trained_.emulator.predict(theta.head(parameters()));
+        if (emulator_part) *emulator_part = at.emulator_covariance;
+        if (mean) *mean = at.mean;
+        MatrixXd c = at.emulator_covariance + observation_.packing_share * at.noise_covariance;
+        c.diagonal() += measurement_variance(tau(theta));
+        return c;
+    }
+
+    double log_prior(const VectorXd& theta) const {
+        double sum = 0;
+        for (Index k = 0; k < parameters(); ++k) sum += space_.prior(k).log_density_unit(theta[k]);
+        if (!observation_.sd) sum += tau_prior.log_density_unit(theta[parameters()]);
+        return sum;
+    }
+
+    double log_posterior(const VectorXd& theta) const {
+        VectorXd mean;
+        const Eigen::LLT<MatrixXd> factor(covariance(theta, nullptr, &mean));
+        if (factor.info() != Eigen::Success) return -INFINITY;
+        const VectorXd white = factor.matrixL().solve(target_ - mean);
+        const double log_det = 2 * factor.matrixL().toDenseMatrix().diagonal().array().log().sum();
+        return -0.5 * (white.squaredNorm() + log_det) + log_prior(theta);
+    }
+
+    /// Residuals whitened by a covariance, with the priors of the parameters as further residuals.
+    void residuals(const VectorXd& x, const Eigen::LLT<MatrixXd>& factor, VectorXd& out,
+                   MatrixXd* jacobian) const {
+        const Index m = target_.size(), d = parameters();
+        MatrixXd slope;
+        const VectorXd mean = trained_.emulator.predict_mean(x, jacobian ? &slope : nullptr);
+        out.resize(m + d);
+        out.head(m) = factor.matrixL().solve(target_ - mean);
+        if (jacobian) {
+            jacobian->setZero(m + d, d);
+            jacobian->topRows(m) = -factor.matrixL().solve(slope);
+        }
+        for (Index k = 0; k < d; ++k) {
+            // A truncated normal's log density has the derivative (mean - x) / sd²; a uniform's is zero.
+            const double at0 = space_.prior(k).log_density_derivative_unit(0);
+            const double curvature = at0 - space_.prior(k).log_density_derivative_unit(1);
+            const double root = std::sqrt(std::max(curvature, 0.0));
+            out[m + k] = curvature > 0 ? root * (x[k] - at0 / curvature) : 0.0;
+            if (jacobian) (*jacobian)(m + k, k) = root;
+        }
+    }
+
+  private:
+    const TrainedEmulator& trained_;
+    const ParameterSpace& space_;
+    const Observation& observation_;
+    VectorXd target_, slope_;
+};
+
+/// Refines the estimate by least squares with the covariance held at it; keeps whichever is more probable.
+void refine(const Likelihood& likelihood, VectorXd& theta, double& value, optimizers::Summary& summary) {
+    const Index d = likelihood.parameters();
+    for (int pass = 0; pass < 3; ++pass) {
+        const Eigen::LLT<MatrixXd> factor(likelihood.covariance(theta));
+        if (factor.info() != Eigen::Success) return;
+        const auto residuals = [&](const VectorXd& x, VectorXd& r, MatrixXd* jacobian) {
+            likelihood.residuals(x, factor, r, jacobian);
+        };
+        const auto found =
+            optimizers::minimise_least_squares(residuals, optimizers::unit_cube(d), theta.head(d));
+        summary = found.minimum.summary;
+        VectorXd candidate = theta;
+        candidate.head(d) = found.minimum.x;
+        const double better = likelihood.log_posterior(candidate);
+        if (!(better > value)) return;
+        theta = candidate;
+        value = better;
+    }
+}
+
+}  // namespace
+
+double OutputTransform::forward(double y) const {
+    return std::log1p(std::max(y / scale, -0.9));
+}
+double OutputTransform::inverse(double t) const {
+    return scale * std::expm1(t);
+}
+double OutputTransform::derivative(double y) const {
+    return 1 / (scale + std::max(y, -0.9 * scale));
+}
+
+TrainedEmulator train_emulator(const std::vector<RunRecord>& runs, const ParameterSpace& space,
+                               const std::vector<Index>& columns, const Settings& settings) {
+    const Index d = space.dimension(), m = static_cast<Index>(columns.size());
+    const Index n = std::ranges::count_if(runs, [](const RunRecord& r) { return r.ok; });
+    if (n < std::max<Index>(5 * d, 20))
+        throw std::runtime_error(fmt::format(
+            "only {} of {} runs succeeded, too few to train an emulator; the reasons stand in ensemble.h5", n,
+            runs.size()));
+    const OutputTransform transform;
+    MatrixXd inputs(n, d), outputs(n, m);
+    Index row = 0;
+    for (const RunRecord& run : runs) {
+        if (!run.ok) continue;
+        inputs.row(row) = space.unit(run.spec.parameters).transpose();
+        for (Index k = 0; k < m; ++k)
+            outputs(row, k) = transform.forward(run.outputs[columns[static_cast<std::size_t>(k)]]);
+        ++row;
+    }
+    surrogate::CurveEmulatorOptions options;
+    options.kernel = settings.calibration.kernel;
+    options.seed = run_seed(settings.seed, 0, 11);
+    options.threads = settings.jobs;
+    return {surrogate::CurveEmulator::fit(inputs, outputs, options), transform, n};
+}
+
+Fit fit(const TrainedEmulator& trained, const ParameterSpace& space, const Observation& observation,
+        const Settings& settings) {
+    const Likelihood likelihood(trained, space, observation);
+    const Index n = likelihood.dimension(), d = likelihood.parameters();
+    const optimizers::Bounds box = optimizers::unit_cube(n);
+    optimizers::Options options;
+    options.seed = run_seed(settings.seed, 0, 12);
+    options.max_evaluations = 6000;
+    options.relative_tolerance = 1e-6;
+    const auto negative = [&](const VectorXd& theta, VectorXd*) { return -likelihood.log_posterior(theta); };
+    VectorXd start(n);
+    for (Index k = 0; k < d; ++k) start[k] = space.prior(k).quantile_unit(0.5);
+    if (n > d) start[d] = tau_prior.quantile_unit(0.5);
+
+    Fit out;
+    const optimizers::Minimum global =
+        optimizers::minimise(settings.calibration.global_optimizer, negative, box, start, options);
+    out.global = global.summary;
+    VectorXd theta = global.x;
+    double value = -global.value;
+    refine(likelihood, theta, value, out.local);
+
+    optimizers::PosteriorOptions sampling;
+    sampling.seed = run_seed(settings.seed, 0, 13);
+    sampling.max_draws = settings.calibration.posterior_draws;
+    sampling.wanted_ess = std::min(2000.0, static_cast<double>(settings.calibration.posterior_draws));
+    sampling.max_evaluations = 300000;
+    out.posterior = optimizers::sample_posterior(
+        [&](const VectorXd& t, VectorXd*) { return likelihood.log_posterior(t); }, box, sampling);
+    // The chains may have met a better point than the search did.
+    Index best = 0;
+    if (out.posterior.log_density.maxCoeff(&best) > value) {
+        theta = out.posterior.draws.row(best).transpose();
+        value = out.posterior.log_density[best];
+        refine(likelihood, theta, value, out.local);
+    }
+    out.estimate = theta.head(d);
+    out.tau = likelihood.tau(theta);
+    out.log_posterior = value;
+    out.covariance = likelihood.covariance(theta, &out.emulator_covariance);
+    return out;
+}
+
+bool is_identified(double posterior_width, double prior_width) {
+    return posterior_width < identified_below * prior_width;
+}
+
+double quantile(std::vector<double> values, double q) {
+    if (values.empty()) throw std::invalid_argument("quantile: no values");
+    std::ranges::sort(values);
+    const double at = q * static_cast<double>(values.size() - 1);
+    const auto low = static_cast<std::size_t>(at);
+    const std::size_t high = std::min(low + 1, values.size() - 1);
+    return values[low] + (at - static_cast<double>(low)) * (values[high] - values[low]);
+}
+
+}  // namespace loam::experiments

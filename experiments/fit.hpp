@@ -1,0 +1,72 @@
+// Fits the parameters to measured curves through an emulator: likelihood, most probable set, posterior.
+//
+// The comparison is made on the scale T(y) = ln(1 + y / scale) of every output, on which packings scatter
+// about equally whether strain is 0.001 or 0.1. With r = T(measured) - emulator mean at x, r is normal with
+// the covariance
+//   emulator(x) + packing(x) · particles / specimen_particles + diag(T'² (floor² + tau² measured²)),
+// where tau, the relative noise of the measurement and of what the model cannot follow, is estimated along
+// with the parameters unless the sample states measurement_sd.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "experiments/campaign.hpp"
+#include "experiments/settings/settings.hpp"
+#include "optimizers/posterior.hpp"
+#include "surrogate/curve_emulator.hpp"
+
+namespace loam::experiments {
+
+/// The scale on which curves are emulated and compared; `scale` in the output's unit.
+struct OutputTransform {
+    double scale = 1e-3;
+    double forward(double y) const;  // values below -0.9 scale are held there
+    double inverse(double t) const;
+    double derivative(double y) const;  // of forward
+};
+
+/// Measured values of the fitted outputs.
+struct Observation {
+    Eigen::VectorXd measured;           // [m] SI
+    std::optional<Eigen::VectorXd> sd;  // [m] SI, where stated
+    double floor = 5e-5;                // resolution: De Pue et al. 2019 read strain to 5e-5
+    double packing_share = 1;           // particles of a run over those of the measured specimen
+};
+
+/// The emulator of a campaign's fitted outputs and what it was trained on.
+struct TrainedEmulator {
+    surrogate::CurveEmulator emulator;
+    OutputTransform transform;
+    Eigen::Index runs = 0;
+};
+
+/// Trains on the runs that succeeded: outputs `columns` of each, transformed. Throws std::runtime_error when
+/// too few did.
+TrainedEmulator train_emulator(const std::vector<RunRecord>& runs, const ParameterSpace& space,
+                               const std::vector<Eigen::Index>& columns, const Settings& settings);
+
+struct Fit {
+    Eigen::VectorXd estimate;  // [d] most probable coordinates in the unit cube
+    double tau = 0;            // relative measurement noise at the estimate; 0 where stated by the sample
+    double log_posterior = 0;  // at the estimate, up to a constant
+    optimizers::Posterior posterior;      // draws [n x d(+1)]: coordinates, then tau's where it is estimated
+    Eigen::MatrixXd covariance;           // [m x m] of the residuals at the estimate, transformed scale
+    Eigen::MatrixXd emulator_covariance;  // [m x m] the emulator's part of it
+    optimizers::Summary global, local;    // of the search for the estimate
+};
+
+/// Global search (NLopt), least-squares refinement (Ceres) and posterior. Deterministic under the settings'
+/// seed.
+Fit fit(const TrainedEmulator& trained, const ParameterSpace& space, const Observation& observation,
+        const Settings& settings);
+
+/// Whether the data narrowed the prior: the central 90 % interval of the posterior, on the parameter's own
+/// scale, is less than three quarters as wide as the prior's.
+bool is_identified(double posterior_width, double prior_width);
+
+/// Draws' quantile of each column: linear interpolation of the order statistics.
+double quantile(std::vector<double> values, double q);
+
+}  // namespace loam::experiments

@@ -1,0 +1,44 @@
+// The parameters of the contact law as a campaign sees them: which are fitted, on which prior, which are
+// fixed.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "engine/contact/registry.hpp"
+#include "engine/simulation.hpp"
+#include "experiments/settings/settings.hpp"
+#include "surrogate/priors.hpp"
+
+namespace loam::experiments {
+
+struct ParameterSpace {
+    const engine::LawInfo* law = nullptr;
+    std::vector<std::size_t> fitted;       // [d] places in law->parameters
+    std::vector<surrogate::Prior> priors;  // [d]
+    Eigen::VectorXd values;                // [law->parameters]: the fixed ones; prior medians elsewhere (SI)
+
+    Eigen::Index dimension() const { return static_cast<Eigen::Index>(fitted.size()); }
+    const engine::ParameterInfo& info(Eigen::Index k) const {
+        return law->parameters[fitted[static_cast<std::size_t>(k)]];
+    }
+    const surrogate::Prior& prior(Eigen::Index k) const { return priors[static_cast<std::size_t>(k)]; }
+    bool is_logarithmic(Eigen::Index k) const;
+
+    /// All parameters (SI) at x [d] in the unit cube.
+    Eigen::VectorXd physical(const Eigen::VectorXd& x) const;
+    /// Coordinates [d] of all parameters (SI).
+    Eigen::VectorXd unit(const Eigen::VectorXd& physical) const;
+    /// Maps probabilities [n x d] through the priors' quantiles to coordinates [n x d].
+    Eigen::MatrixXd from_probabilities(const Eigen::MatrixXd& u) const;
+};
+
+/// The space that the settings describe. The law must exist, every parameter be in `set` or have a prior.
+ParameterSpace parameter_space(const Settings& settings);
+
+/// The contact law with these parameters (SI, in the order of the law's table).
+engine::LinearCohesive contact_law(const Settings& settings, const engine::LawInfo& law,
+                                   const Eigen::VectorXd& physical);
+
+}  // namespace loam::experiments

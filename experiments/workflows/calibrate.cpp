@@ -1,0 +1,86 @@
+#include "experiments/workflows/calibrate.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+
+#include "experiments/calibration.hpp"
+#include "experiments/output/atomic_file.hpp"
+#include "experiments/output/log.hpp"
+#include "experiments/report/report.hpp"
+#include "experiments/settings/run_folder.hpp"
+#include "experiments/workflows/calibration_report.hpp"
+#include "experiments/workflows/parameter_summary.hpp"
+#include "experiments/workflows/result_json.hpp"
+
+namespace loam::experiments {
+namespace {
+
+using nlohmann::json;
+
+json parameters_result(const std::vector<ParameterSummary>& parameters) {
+    json out = json::object();
+    for (const ParameterSummary& p : parameters)
+        out[p.name] = {{"unit", p.unit}, {"estimate", p.estimate},     {"q05", p.q05},    {"q50", p.q50},
+                       {"q95", p.q95},   {"identified", p.identified}, {"fixed", p.fixed}};
+    return out;
+}
+
+std::string table(const std::vector<ParameterSummary>& parameters, const json& result,
+                  const std::string& report) {
+    std::string text =
+        fmt::format("{:<17} {:>11} {:>26}  {}\n", "parameter", "estimate", "90 % interval", "unit");
+    for (const ParameterSummary& p : parameters) {
+        const std::string interval = p.fixed ? "fixed" : fmt::format("{:.4g} .. {:.4g}", p.q05, p.q95);
+        text += fmt::format("{:<17} {:>11.4g} {:>26}  {}{}\n", p.name, p.estimate, interval, p.unit,
+                            p.fixed || p.identified ? "" : "  (not identified)");
+    }
+    for (const json& test : result["tests"])
+        text += fmt::format(
+            "{}: error of direct DEM runs {:.2e} m/m ({:.2e} over the loading stages), {} readings{}\n",
+            test["file"].get<std::string>(), test["rmse"].get<double>(), test["rmse_loading"].get<double>(),
+            test["points"].get<std::size_t>(), test["held_out"].get<bool>() ? ", held out" : "");
+    for (const json& warning : result["warnings"])
+        text += fmt::format("warning: {}\n", warning.get<std::string>());
+    return text + fmt::format("report: {}\n", report);
+}
+
+}  // namespace
+
+int run_calibrate(const Settings& settings) {
+    const auto started = std::chrono::steady_clock::now();
+    const lab_data::Sample sample = lab_data::read_sample(settings.sample);
+    const RunFolder folder(settings);
+    RunLog log(folder.file("log.txt"));
+    log.write(fmt::format("loam {} calibrate {}{}", LOAM_VERSION, settings.sample.string(),
+                          folder.resumed() ? " (resumed)" : ""));
+    Campaign campaign(settings, sample, folder.path(), &log);
+    const Calibration calibration = calibrate(campaign);
+    for (const CalibrationRound& round : calibration.rounds) log.write(round.text);
+
+    std::vector<std::string> warnings = sample.warnings;
+    for (const auto* more : {&campaign.warnings(), &calibration.warnings})
+        warnings.insert(warnings.end(), more->begin(), more->end());
+    if (const std::string text = density_warning(campaign, calibration.confirmation); !text.empty())
+        warnings.push_back(text);
+
+    const std::vector<ParameterSummary> parameters = summarise(campaign, calibration.fit);
+    json result = common_result(settings, sample.name, campaign, warnings);
+    result["parameters"] = parameters_result(parameters);
+    result["tests"] = tests_result(campaign, calibration.simulated);
+    result["measurement"] = {{"relative_sd", calibration.fit.tau}, {"stated", calibration.fit.tau == 0}};
+    result["stopped_by"] = calibration.stopped_by;
+    json document = calibration_document(campaign, sample, calibration, parameters, result);
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+    result["seconds"] = seconds;
+    document["seconds"] = seconds;
+    write_file_atomically(folder.file("report.json"), document.dump() + "\n");
+    write_file_atomically(folder.file("report.html"), report_html(document));
+    write_file_atomically(folder.file("result.json"), result.dump(1) + "\n");
+    log.write(fmt::format("done in {:.1f} s", seconds));
+    print_result(settings, result, table(parameters, result, folder.file("report.html").string()));
+    return 0;
+}
+
+}  // namespace loam::experiments

@@ -1,0 +1,52 @@
+#include "experiments/workflows/parameter_summary.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace loam::experiments {
+
+std::vector<ParameterSummary> summarise(const Campaign& campaign, const Fit& fit) {
+    const ParameterSpace& space = campaign.space();
+    const Eigen::VectorXd physical = space.physical(fit.estimate);
+    std::vector<ParameterSummary> out;
+    for (std::size_t p = 0; p < space.law->parameters.size(); ++p) {
+        const engine::ParameterInfo& info = space.law->parameters[p];
+        ParameterSummary s{std::string(info.name), std::string(info.symbol), std::string(info.unit),
+                           std::string(info.meaning)};
+        s.estimate = s.q05 = s.q50 = s.q95 = s.prior_q05 = s.prior_q95 =
+            physical[static_cast<Eigen::Index>(p)];
+        s.fixed = s.identified = true;
+        for (Eigen::Index k = 0; k < space.dimension(); ++k) {
+            if (space.fitted[static_cast<std::size_t>(k)] != p) continue;
+            const surrogate::Prior& prior = space.prior(k);
+            const Eigen::VectorXd column = fit.posterior.draws.col(k);
+            const std::vector<double> draws(column.begin(), column.end());
+            const double low = quantile(draws, 0.05), high = quantile(draws, 0.95);
+            const double prior_low = prior.quantile_unit(0.05), prior_high = prior.quantile_unit(0.95);
+            s.q05 = prior.from_unit(low);
+            s.q50 = prior.from_unit(quantile(draws, 0.5));
+            s.q95 = prior.from_unit(high);
+            s.prior_q05 = prior.from_unit(prior_low);
+            s.prior_q95 = prior.from_unit(prior_high);
+            s.logarithmic = space.is_logarithmic(k);
+            s.fixed = false;
+            s.identified = is_identified(high - low, prior_high - prior_low);
+        }
+        out.push_back(std::move(s));
+    }
+    return out;
+}
+
+std::string density_warning(Campaign& campaign, const std::vector<RunRecord>& runs) {
+    if (runs.empty() || !campaign.settings().packing.empty()) return {};
+    const auto made = campaign.specimen(runs.front().spec);
+    const double wanted = campaign.tests().front().porosity, got = made->packing.porosity();
+    if (made->reached) return {};
+    const auto void_ratio = [](double n) { return n / (1 - n); };
+    return fmt::format("{}: the specimen's void ratio is {:.3f}, not the {:.3f} measured: {}",
+                       campaign.tests().front().test->file, void_ratio(got), void_ratio(wanted),
+                       made->stopped_by);
+}
+
+}  // namespace loam::experiments

@@ -1,0 +1,26 @@
+// What a calibration says of each parameter, in SI.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "experiments/campaign.hpp"
+#include "experiments/fit.hpp"
+
+namespace loam::experiments {
+
+struct ParameterSummary {
+    std::string name, symbol, unit, meaning;
+    double estimate = 0, q05 = 0, q50 = 0, q95 = 0;  // SI
+    double prior_q05 = 0, prior_q95 = 0;             // SI
+    bool logarithmic = false, identified = false, fixed = false;
+};
+
+/// All parameters of the law, in its order; those that are fixed have their value everywhere and count as
+/// identified.
+std::vector<ParameterSummary> summarise(const Campaign& campaign, const Fit& fit);
+
+/// A sentence where the specimens could not be made as dense or loose as measured; else empty.
+std::string density_warning(Campaign& campaign, const std::vector<RunRecord>& runs);
+
+}  // namespace loam::experiments

@@ -1,0 +1,82 @@
+#include "experiments/workflows/result_json.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace loam::experiments {
+
+using nlohmann::json;
+
+json model_result(const Settings& settings) {
+    return {{"law", settings.law}, {"rotation", settings.rotation}, {"effects", settings.effects}};
+}
+
+json common_result(const Settings& settings, std::string_view name, const Campaign& campaign,
+                   const std::vector<std::string>& warnings) {
+    return {{"verb", settings.verb},
+            {"name", name},
+            {"version", LOAM_VERSION},
+            {"seed", settings.seed},
+            {"dem_runs", campaign.store().size()},
+            {"dem_failed", failed_count(campaign.store())},
+            {"warnings", warnings},
+            {"model", model_result(settings)}};
+}
+
+CurveError curve_error(const CampaignTest& test, const Eigen::VectorXd& simulated) {
+    const std::vector<double>& strain = test.test->column("axial_strain");
+    CurveError out;
+    double n = 0, n_loading = 0, sx = 0, sy = 0, sxx = 0, syy = 0, sxy = 0;
+    for (std::size_t k = 0; k < test.readings.size(); ++k) {
+        const std::size_t reading = test.readings[k];
+        const double x = strain[reading], y = simulated[test.first + static_cast<Eigen::Index>(k)], e = y - x;
+        out.rmse += e * e;
+        out.mean_error += e;
+        if (test.test->phase.empty() || test.test->phase[reading] == "loading") {
+            out.rmse_loading += e * e;
+            n_loading += 1;
+        }
+        n += 1;
+        sx += x;
+        sy += y;
+        sxx += x * x;
+        syy += y * y;
+        sxy += x * y;
+    }
+    out.rmse = std::sqrt(out.rmse / n);
+    out.mean_error /= n;
+    out.rmse_loading = n_loading > 0 ? std::sqrt(out.rmse_loading / n_loading) : 0;
+    const double vx = sxx - sx * sx / n, vy = syy - sy * sy / n;
+    if (n >= 3 && vx > 0 && vy > 0) out.pearson_r = (sxy - sx * sy / n) / std::sqrt(vx * vy);
+    return out;
+}
+
+json tests_result(const Campaign& campaign, const Eigen::VectorXd& simulated) {
+    json tests = json::array();
+    for (const CampaignTest& test : campaign.tests()) {
+        const CurveError error = curve_error(test, simulated);
+        json entry{{"kind", to_string(test.test->kind)},
+                   {"file", test.test->file},
+                   {"channel", "axial_strain"},
+                   {"rmse", error.rmse},
+                   {"rmse_loading", error.rmse_loading},
+                   {"mean_error", error.mean_error},
+                   {"unit", "m/m"},
+                   {"r", nullptr},
+                   {"points", test.readings.size()},
+                   {"held_out", test.held_out}};
+        if (error.pearson_r) entry["r"] = *error.pearson_r;
+        tests.push_back(std::move(entry));
+    }
+    return tests;
+}
+
+void print_result(const Settings& settings, const json& result, const std::string& text) {
+    if (settings.json)
+        fmt::print("{}\n", result.dump(1));
+    else
+        fmt::print("{}", text);
+}
+
+}  // namespace loam::experiments

@@ -1,0 +1,29 @@
+// The members of result.json that verbs share (schema: tests/schema/result.schema.json).
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "experiments/campaign.hpp"
+
+namespace loam::experiments {
+
+/// Members that every verb has, without `seconds`; counts are those of the store.
+nlohmann::json common_result(const Settings& settings, std::string_view name, const Campaign& campaign,
+                             const std::vector<std::string>& warnings);
+
+nlohmann::json model_result(const Settings& settings);
+
+/// How simulated curves [outputs] (SI) compare with the measured ones.
+struct CurveError {
+    double rmse = 0, mean_error = 0, rmse_loading = 0;
+    std::optional<double> pearson_r;  // none for fewer than three readings or a constant curve
+};
+CurveError curve_error(const CampaignTest& test, const Eigen::VectorXd& simulated);
+
+/// The `tests` member: one entry a test.
+nlohmann::json tests_result(const Campaign& campaign, const Eigen::VectorXd& simulated);
+
+/// Sends result.json's text to standard output under --json, else the short text.
+void print_result(const Settings& settings, const nlohmann::json& result, const std::string& text);
+
+}  // namespace loam::experiments
