@@ -62,7 +62,7 @@ Minimum minimise_multistart_lbfgs(const Objective& objective, const Bounds& boun
     MinimaSeen minima;
     Vector from = guarded.start();
     while (!guarded.stopped()) {
-        search_with_nlopt(NLOPT_LD_LBFGS, StopRule::tolerances, guarded, from, options.seed);
+        search_with_nlopt(NLOPT_LD_LBFGS, StopRule::value_or_x, guarded, from, options.seed);
         if (std::isfinite(guarded.search_best())) minima.add(guarded.search_best());
         if (guarded.box().size() == 0 || minima.probably_complete()) break;
         from = best_of_next(sequence, guarded);

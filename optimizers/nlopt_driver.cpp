@@ -38,6 +38,7 @@ NloptOutcome outcome(nlopt_result result, const char* message) {
         case NLOPT_FAILURE:
             return {"the line search found no lower value", false};
         case NLOPT_FORCED_STOP:
+        case NLOPT_MAXEVAL_REACHED:
             return {"the budget is spent", false};
         case NLOPT_OUT_OF_MEMORY:
             throw std::bad_alloc();
@@ -63,10 +64,9 @@ NloptOutcome search_with_nlopt(nlopt_algorithm algorithm, StopRule rule, Guarded
     nlopt_set_lower_bounds1(handle.get(), 0.0);
     nlopt_set_upper_bounds1(handle.get(), 1.0);
     nlopt_set_min_objective(handle.get(), callback, &search);
-    if (rule == StopRule::tolerances) {
-        nlopt_set_ftol_rel(handle.get(), guarded.options().relative_tolerance);
-        nlopt_set_xtol_abs1(handle.get(), guarded.options().relative_tolerance);
-    }
+    const double tolerance = guarded.options().relative_tolerance;
+    if (rule == StopRule::value_or_x) nlopt_set_ftol_rel(handle.get(), tolerance);
+    if (rule != StopRule::stagnation) nlopt_set_xtol_abs1(handle.get(), tolerance);
     nlopt_set_maxeval(handle.get(), guarded.options().max_evaluations);
     nlopt_set_population(handle.get(), population);
     nlopt_srand(static_cast<unsigned long>(hash(seed)));

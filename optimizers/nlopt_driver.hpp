@@ -17,7 +17,8 @@ struct NloptOutcome {
 
 /// When a search ends before its budget.
 enum class StopRule {
-    tolerances,  ///< NLopt's own: the last step was small in value or in x
+    value_or_x,  ///< NLopt's own: the last step was small in value or in x
+    x,           ///< in x alone
     stagnation,  ///< GuardedObjective::stagnated()
 };
 

@@ -8,11 +8,13 @@
 
 namespace loam::optimizers {
 
+// Rectangles far from the best point are divided long before those near it gain again, so that nothing but
+// the size of all that are left says that the search is done: in more than one variable it spends its budget.
 Minimum minimise_direct_l(const Objective& objective, const Bounds& bounds, const Vector& start,
                           const Options& options) {
     GuardedObjective guarded(objective, bounds, start, options);
     const auto [reason, converged] =
-        search_with_nlopt(NLOPT_GN_DIRECT_L, StopRule::stagnation, guarded, guarded.start(), options.seed);
+        search_with_nlopt(NLOPT_GN_DIRECT_L, StopRule::x, guarded, guarded.start(), options.seed);
     return guarded.minimum(reason, converged);
 }
 

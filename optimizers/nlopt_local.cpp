@@ -16,7 +16,7 @@ Minimum minimise_locally(nlopt_algorithm algorithm, const Objective& objective, 
     Vector from = guarded.start();
     for (double last = std::numeric_limits<double>::infinity();;) {
         NloptOutcome outcome =
-            search_with_nlopt(algorithm, StopRule::tolerances, guarded, from, options.seed);
+            search_with_nlopt(algorithm, StopRule::value_or_x, guarded, from, options.seed);
         if (guarded.stopped() || !guarded.gained_since(last) || guarded.box().size() == 0) {
             // A search that cannot improve on a converged one has found the same minimum again.
             return guarded.minimum(outcome.reason, outcome.converged || std::isfinite(last));

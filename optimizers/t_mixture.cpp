@@ -7,7 +7,7 @@ namespace loam::optimizers {
 
 namespace {
 
-constexpr int degrees_of_freedom = 8;
+constexpr int degrees_of_freedom = 5;
 constexpr int most_iterations = 40;
 
 /// log(sum(exp(terms))).

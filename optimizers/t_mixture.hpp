@@ -10,7 +10,7 @@
 namespace loam::optimizers {
 
 /// Location and spread are those of a mixture of normals, fitted by expectation maximisation (Dempster, Laird
-/// & Rubin 1977, J. R. Stat. Soc. B 39, 1-38); the tails are those of a t with 8 degrees of freedom, so that
+/// & Rubin 1977, J. R. Stat. Soc. B 39, 1-38); the tails are those of a t with 5 degrees of freedom, so that
 /// a proposal covers its target.
 class TMixture {
   public:
