@@ -53,7 +53,7 @@ double plain_rhat(const Matrix& chains) {
     return std::sqrt((n - 1) / n + between / within);
 }
 
-/// effective_size() of chains that are already halved.
+/// Effective number of draws for the mean, of chains that are already halved.
 double size_of_halves(const Matrix& chains) {
     const Eigen::Index n = chains.rows();
     const double draws = static_cast<double>(n), total = static_cast<double>(chains.size());

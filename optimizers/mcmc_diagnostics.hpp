@@ -14,11 +14,8 @@ namespace loam::optimizers {
 /// the median (spread). Near 1 when the chains agree; below 1.01 is good enough to use.
 double split_rhat(const Matrix& chains);
 
-/// Effective number of draws for the mean of the quantity itself: autocorrelations within and between the
-/// chains, summed up to Geyer's (1992) initial monotone sequence.
-double effective_size(const Matrix& chains);
-
-/// Effective number of draws for the centre: effective_size() of the rank-normalised draws.
+/// Effective number of draws for the centre: of the mean of the rank-normalised draws, from autocorrelations
+/// within and between the chains, summed up to Geyer's (1992) initial monotone sequence.
 double bulk_effective_size(const Matrix& chains);
 
 /// Effective number of draws for the 5 % and the 95 % quantile, the smaller of the two.

@@ -51,7 +51,7 @@ NloptOutcome outcome(nlopt_result result, const char* message) {
 }  // namespace
 
 NloptOutcome search_with_nlopt(nlopt_algorithm algorithm, StopRule rule, GuardedObjective& guarded,
-                               const Vector& z, std::uint64_t seed, unsigned population) {
+                               const Vector& z, std::uint64_t seed) {
     guarded.begin_search();
     if (guarded.box().size() == 0) {
         guarded.evaluate(z, nullptr);
@@ -68,7 +68,6 @@ NloptOutcome search_with_nlopt(nlopt_algorithm algorithm, StopRule rule, Guarded
     if (rule == StopRule::value_or_x) nlopt_set_ftol_rel(handle.get(), tolerance);
     if (rule != StopRule::stagnation) nlopt_set_xtol_abs1(handle.get(), tolerance);
     nlopt_set_maxeval(handle.get(), guarded.options().max_evaluations);
-    nlopt_set_population(handle.get(), population);
     nlopt_srand(static_cast<unsigned long>(hash(seed)));
     Vector point = z;
     double value = 0;

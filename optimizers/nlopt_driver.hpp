@@ -24,11 +24,10 @@ enum class StopRule {
 
 /// Searches from z [k] on the scaled box. What it finds is kept in `guarded`, where a new search is begun.
 /// With all variables fixed (k = 0) the single point is evaluated and the search has converged.
-/// `population`: size for the algorithms that have one; 0: NLopt's default.
 ///
 /// NLopt draws from one generator a thread (its state is thread-local). It is seeded here, before every
 /// search, so a search depends on `seed` alone, whatever ran before it or runs beside it in another thread.
 NloptOutcome search_with_nlopt(nlopt_algorithm algorithm, StopRule rule, GuardedObjective& guarded,
-                               const Vector& z, std::uint64_t seed, unsigned population = 0);
+                               const Vector& z, std::uint64_t seed);
 
 }  // namespace loam::optimizers

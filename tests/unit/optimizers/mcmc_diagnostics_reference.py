@@ -87,7 +87,6 @@ def main():
     folded = [[abs(x - median) for x in c] for c in h]
     print("location R-hat %.12f" % rhat(normal_scores(h)))
     print("spread R-hat   %.12f" % rhat(normal_scores(folded)))
-    print("size           %.10f" % effective(h))
     print("bulk size      %.10f" % effective(normal_scores(h)))
     for p in (0.05, 0.95):
         q = quantile(flat, p)

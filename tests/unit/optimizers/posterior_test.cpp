@@ -278,7 +278,7 @@ TEST(Posterior, HonoursItsTime) {
     const Posterior posterior = sample_posterior(slow, unit_cube(2), {.wanted_ess = 1e5, .max_seconds = 0.3});
     EXPECT_FALSE(posterior.summary.converged);
     EXPECT_EQ(posterior.summary.stopped_by, "max_seconds reached");
-    EXPECT_LT(posterior.summary.seconds, 1.0);
+    EXPECT_LT(posterior.summary.seconds, 3.0);
 }
 
 TEST(Posterior, RepeatsUnderASeedAlsoBesideOthers) {
