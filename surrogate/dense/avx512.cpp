@@ -1,0 +1,7 @@
+#include "surrogate/dense/dense_functions.hpp"
+
+namespace loam::surrogate {
+
+const DenseFunctions dense_avx512{invert_factor, gram, multiply};
+
+}  // namespace loam::surrogate

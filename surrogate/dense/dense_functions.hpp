@@ -1,0 +1,60 @@
+// The body that baseline.cpp, avx2.cpp and avx512.cpp compile with their own flags; included nowhere else.
+#pragma once
+
+#include <Eigen/Dense>
+
+#include "surrogate/dense/dense.hpp"
+
+namespace loam::surrogate {
+namespace {
+
+// Columns treated together: the triangular products below skip the zeros of L^-1 in steps of this.
+constexpr int block = 64;
+
+// Eigen sums in an order that depends on where arrays begin, so all work is done on its own, aligned ones:
+// the same numbers must give the same bits wherever the caller keeps them.
+
+bool invert_factor(int n, double* matrix, double* log_determinant) {
+    // Fixed, not asked of the processor: block sizes decide the order of sums, too.
+    static const bool fixed = (Eigen::setCpuCacheSizes(32 << 10, 512 << 10, 2 << 20), true);
+    static_cast<void>(fixed);
+    Eigen::MatrixXd a = Eigen::Map<Eigen::MatrixXd>(matrix, n, n);
+    if (Eigen::internal::llt_inplace<double, Eigen::Lower>::blocked(a) != -1) return false;
+    *log_determinant = 2 * a.diagonal().array().log().sum();
+    Eigen::MatrixXd x = Eigen::MatrixXd::Identity(n, n);
+    for (int j = 0; j < n; j += block) {
+        const int width = n - j < block ? n - j : block, rest = n - j;
+        auto columns = x.block(j, j, rest, width);
+        a.block(j, j, rest, rest).template triangularView<Eigen::Lower>().solveInPlace(columns);
+    }
+    Eigen::Map<Eigen::MatrixXd>(matrix, n, n) = x;
+    return true;
+}
+
+void gram(int n, const double* lower, double* gram) {
+    const Eigen::MatrixXd x = Eigen::Map<const Eigen::MatrixXd>(lower, n, n);
+    Eigen::MatrixXd product(n, n);
+    for (int j = 0; j < n; j += block) {
+        const int width = n - j < block ? n - j : block, rest = n - j;
+        product.block(j, j, rest, width).noalias() =
+            x.block(j, j, rest, rest).transpose().template triangularView<Eigen::Upper>() *
+            x.block(j, j, rest, width);
+        product.block(0, j, j, width).setZero();
+    }
+    Eigen::Map<Eigen::MatrixXd>(gram, n, n) = product;
+}
+
+void multiply(int n, const double* lower, bool transposed, const double* vector, double* product) {
+    const Eigen::Map<const Eigen::MatrixXd> x(lower, n, n);
+    const Eigen::VectorXd from = Eigen::Map<const Eigen::VectorXd>(vector, n);
+    Eigen::VectorXd to(n);
+    if (transposed) {
+        to.noalias() = x.transpose().template triangularView<Eigen::Upper>() * from;
+    } else {
+        to.noalias() = x.template triangularView<Eigen::Lower>() * from;
+    }
+    Eigen::Map<Eigen::VectorXd>(product, n) = to;
+}
+
+}  // namespace
+}  // namespace loam::surrogate

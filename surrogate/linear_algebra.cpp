@@ -1,0 +1,44 @@
+#include "surrogate/linear_algebra.hpp"
+
+#include "surrogate/dense/dense.hpp"
+
+namespace loam::surrogate {
+namespace {
+
+const DenseFunctions& functions() {
+    static const DenseFunctions& best =
+        __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+                __builtin_cpu_supports("avx512vl")
+            ? dense_avx512
+        : __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") ? dense_avx2
+                                                                          : dense_baseline;
+    return best;
+}
+
+Eigen::VectorXd multiply(const Eigen::MatrixXd& lower, bool transposed, const Eigen::VectorXd& vector) {
+    Eigen::VectorXd product(vector.size());
+    functions().multiply(static_cast<int>(lower.rows()), lower.data(), transposed, vector.data(),
+                         product.data());
+    return product;
+}
+
+}  // namespace
+
+bool invert_factor(Eigen::MatrixXd& matrix, double& log_determinant) {
+    return functions().invert_factor(static_cast<int>(matrix.rows()), matrix.data(), &log_determinant);
+}
+
+void gram(const Eigen::MatrixXd& lower, Eigen::MatrixXd& product) {
+    product.resize(lower.rows(), lower.rows());
+    functions().gram(static_cast<int>(lower.rows()), lower.data(), product.data());
+}
+
+Eigen::VectorXd lower_product(const Eigen::MatrixXd& lower, const Eigen::VectorXd& vector) {
+    return multiply(lower, false, vector);
+}
+
+Eigen::VectorXd transposed_lower_product(const Eigen::MatrixXd& lower, const Eigen::VectorXd& vector) {
+    return multiply(lower, true, vector);
+}
+
+}  // namespace loam::surrogate
