@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "experiments/ensemble/run_seed.hpp"
+#include "experiments/settings/validation.hpp"
 #include "optimizers/least_squares.hpp"
 #include "optimizers/registry.hpp"
 #include "surrogate/kernels/registry.hpp"
@@ -148,7 +149,7 @@ TrainedEmulator train_emulator(const std::vector<RunRecord>& runs, const Paramet
                                const std::vector<Index>& columns, const Settings& settings) {
     const Index d = space.dimension(), m = static_cast<Index>(columns.size());
     const Index n = std::ranges::count_if(runs, [](const RunRecord& r) { return r.ok; });
-    if (n < std::max<Index>(5 * d, 20))
+    if (n < fewest_training_runs(static_cast<int>(d)))
         throw std::runtime_error(fmt::format(
             "only {} of {} runs succeeded, too few to train an emulator; the reasons stand in ensemble.h5", n,
             runs.size()));

@@ -17,7 +17,7 @@ using Names = std::vector<std::string_view>;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr Limits above_zero{.lower = 0, .open_lower = true};
-constexpr Limits fraction{.lower = 0, .upper = 1, .open_lower = true, .open_upper = true};
+constexpr Limits packable{.lower = 0.05, .upper = 0.6, .open_lower = true, .open_upper = true};
 constexpr Limits up_to_one{.lower = 0, .upper = 1, .open_lower = true};
 
 constexpr Limits count(double least, double most = 1e6) {
@@ -89,7 +89,7 @@ const std::array table{
     Field{"", "effects", [](Settings& s) -> Slot { return &s.effects; },
           "effects added to the law (see `loam effects`)", {}, nullptr, "NAME,..."},
     Field{"", "particles", [](Settings& s) -> Slot { return &s.particles; },
-          "particles in a specimen", count(50, 1e7), nullptr, "N"},
+          "particles in a specimen", count(100, 2e6), nullptr, "N"},
     Field{"", "runs", [](Settings& s) -> Slot { return &s.runs; },
           "simulations in the first design", count(1), nullptr, "N"},
     Field{"", "inputs_digest", [](Settings& s) -> Slot { return &s.inputs_digest; },
@@ -109,7 +109,7 @@ const std::array table{
     Field{"specimen", "size_spread", [](Settings& s) -> Slot { return &s.specimen.size_spread; },
           "radii are uniform over the mean radius times 1 +- this, 1", {.lower = 0, .upper = 0.9}},
     Field{"specimen", "porosity", [](Settings& s) -> Slot { return &s.specimen.porosity; },
-          "of the specimen, 1 (default: from the test's initial void ratio)", fraction},
+          "of the specimen, 1 (default: from the test's initial void ratio)", packable},
     Field{"specimen", "grain_density_kg_m3", [](Settings& s) -> Slot { return &s.specimen.grain_density_kg_m3; },
           "of the grains, kg/m3 (default: the sample's)", {.lower = 100, .upper = 30000}},
     Field{"specimen", "preparation_stress_kPa", [](Settings& s) -> Slot { return &s.specimen.preparation_stress_kPa; },

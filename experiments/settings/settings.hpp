@@ -55,7 +55,7 @@ struct CalibrationSettings {
     int max_rounds = 3;             // rounds of runs added where emulator and direct runs disagree
     int runs_per_round = 24;
     int posterior_draws = 4000;
-    int specimen_particles = 0;      // the measured specimen scatters like a packing of so many; 0: as the runs
+    int specimen_particles = 0;  // the measured specimen scatters like a packing of so many; 0: as the runs
     bool operator==(const CalibrationSettings&) const = default;
 };
 

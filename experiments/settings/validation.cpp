@@ -67,6 +67,12 @@ void validate(const Settings& settings, const Origins& origins) {
         throw fault_at(origin_of(origins, "effects"), settings.effects.front(),
                        fmt::format("is not an effect of the law {}", settings.law), "see loam effects");
     check_parameters(settings, origins);
+    const int fewest = fewest_training_runs(static_cast<int>(settings.priors.size()));
+    if (settings.verb == "calibrate" && settings.runs < fewest)
+        throw fault_at(
+            origin_of(origins, "runs"), fmt::format("{}", settings.runs),
+            fmt::format("must be at least {} to fit {} parameters", fewest, settings.priors.size()),
+            "make more runs, or hold more parameters fixed with --set");
 }
 
 }  // namespace loam::experiments

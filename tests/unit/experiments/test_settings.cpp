@@ -163,9 +163,9 @@ INSTANTIATE_TEST_SUITE_P(
         BadSetting{"engine = 3", "key 'engine': value '3' must be a table; write [engine]"},
         BadSetting{"particles = 700.5", "key 'particles': value '700.5' must be an integer"},
         BadSetting{"particles = \"700\"", "must be an integer"},
-        BadSetting{"particles = 10", "key 'particles': value '10' must be at least 50"},
+        BadSetting{"particles = 10", "key 'particles': value '10' must be at least 100"},
         BadSetting{"particles = 100000000000",
-                   "value '100000000000' must be at least 50 and at most 10000000"},
+                   "value '100000000000' must be at least 100 and at most 2000000"},
         BadSetting{"seed = -1", "key 'seed': value '-1' must be at least 0"},
         BadSetting{"quiet = 1", "key 'quiet': value '1' must be true or false"},
         BadSetting{"law = 3", "key 'law': value '3' must be text in quotes"},
@@ -184,7 +184,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadSetting{"[engine]\ndamping = nan", "value 'nan' must be at least 0 and below 1"},
         BadSetting{"[specimen]\npreparation_stress_kPa = inf", "value 'inf' must be above 0"},
         BadSetting{"[specimen]\nporosity = 1.2",
-                   "key 'specimen.porosity': value '1.2' must be above 0 and below 1"},
+                   "key 'specimen.porosity': value '1.2' must be above 0.05 and below 0.6"},
         BadSetting{"[calibration]\ndesign = \"sobel\"", "did you mean 'sobol'?"},
         BadSetting{"[set]\nfriction_angel = 0.3",
                    "conf.toml:2:1: key 'set.friction_angel': value 'friction_angel' is not a parameter of "
@@ -262,6 +262,14 @@ TEST(Settings, ACalibrationNeedsSomethingToFit) {
     EXPECT_NO_THROW(validate(settings));
     settings.verb = "calibrate";
     EXPECT_THROW(validate(settings), UserError);
+}
+
+TEST(Settings, ACalibrationNeedsRunsForItsParameters) {
+    Settings settings = from_text("runs = 24");
+    settings.verb = "calibrate";
+    EXPECT_THROW(validate(settings), UserError);  // five parameters take 25
+    settings.runs = 25;
+    EXPECT_NO_THROW(validate(settings));
 }
 
 TEST(Settings, ResumingComparesWhatChangesAResult) {

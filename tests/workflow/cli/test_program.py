@@ -106,7 +106,7 @@ class WrongSettings(ProgramTest):
 
     def test_options(self):
         for words, says in [(("--particles", "many"), "option '--particles': value 'many' must be an integer"),
-                            (("--particles", "10"), "must be at least 50"),
+                            (("--particles", "10"), "must be at least 100"),
                             (("--seed", "-1"), "option '--seed': value '-1' must be at least 0"),
                             (("--law", "linear-cohesion"), "did you mean 'linear-cohesive'?"),
                             (("--rotation", "locked"), "did you mean 'blocked'?"),
