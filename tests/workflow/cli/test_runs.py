@@ -1,0 +1,138 @@
+"""Small runs through the program: test_runs.py LOAM-BIN. What a run leaves, and that it can be stopped and taken up."""
+import json
+import os
+import pathlib
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import validate_result  # noqa: E402
+
+PROGRAM = ""
+SAND = pathlib.Path(__file__).resolve().parents[3] / "lab_data" / "sets" / "dobrany_sand"
+
+# Soft, few particles, one parameter: some hundredths of a second a simulation.
+SMALL = """
+tests = ["oedometer"]
+particles = 100
+runs = 40
+[set]
+young_modulus = 3e7
+stiffness_ratio = 0.4
+normal_cohesion = 1e3
+shear_cohesion = 1e3
+[engine]
+inertial_number = 5e-3
+[calibration]
+replicates = 2
+confirmation_packings = 2
+max_rounds = 1
+runs_per_round = 2
+posterior_draws = 200
+"""
+
+
+def without_times(result):
+    return {name: value for name, value in result.items() if name != "seconds"}
+
+
+class RunTest(unittest.TestCase):
+    def setUp(self):
+        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="loam runs "))
+        self.addCleanup(shutil.rmtree, self.folder)
+        self.settings = self.folder / "small.toml"
+        self.settings.write_text(SMALL, encoding="utf-8")
+
+    def start(self, verb, out, *words):
+        return subprocess.Popen([PROGRAM, verb, SAND, "--config", self.settings, "--out", self.folder / out, *map(str, words)],
+                                stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+    def run_it(self, verb, out, *words):
+        process = self.start(verb, out, *words)
+        process.output, process.error = process.communicate(timeout=200)
+        return process
+
+    def result(self, out):
+        text = (self.folder / out / "result.json").read_text(encoding="utf-8")
+        self.assertEqual(validate_result.problems(text), [])
+        return json.loads(text)
+
+    def files(self, out):
+        return {path.name for path in (self.folder / out).iterdir() if not path.name.startswith(".")}
+
+
+class Calibrate(RunTest):
+    def test_a_run_explains_itself_and_repeats(self):
+        first = self.run_it("calibrate", "first", "--json")
+        self.assertEqual(first.returncode, 0, first.error)
+        self.assertEqual(self.files("first"), {"config.toml", "result.json", "report.html", "report.json", "ensemble.h5", "log.txt"})
+        result = self.result("first")
+        self.assertEqual(json.loads(first.output), result)
+        self.assertEqual((result["verb"], result["name"], result["seed"]), ("calibrate", "dobrany-sand", 1))
+        self.assertEqual(result["parameters"]["young_modulus"]["estimate"], 3e7)
+
+        second = self.run_it("calibrate", "second", "--jobs", 1, "--quiet")
+        self.assertEqual((second.returncode, second.error), (0, ""))
+        self.assertIn("friction_angle", second.output)
+        self.assertEqual(without_times(self.result("second")), without_times(result))
+
+        checked = subprocess.run([PROGRAM, "check", self.folder / "first/config.toml"], capture_output=True, text=True, check=False)
+        self.assertEqual(checked.returncode, 0, checked.stderr)
+
+    def test_interrupted_and_taken_up(self):
+        whole = self.run_it("calibrate", "whole")
+        self.assertEqual(whole.returncode, 0, whole.error)
+
+        stopped = self.start("calibrate", "stopped", "--jobs", 1)
+        deadline = time.monotonic() + 60
+        while time.monotonic() < deadline and not (self.folder / "stopped/log.txt").exists():
+            time.sleep(0.005)
+        time.sleep(0.2)  # into the ensemble
+        in_use = self.run_it("calibrate", "stopped")
+        stopped.send_signal(signal.SIGINT)
+        _, error = stopped.communicate(timeout=60)
+        self.assertEqual(stopped.returncode, 130, error)
+        self.assertIn("interrupted; every finished run is kept", error)
+        self.assertEqual((in_use.returncode, in_use.output), (2, ""))
+        self.assertIn("in use by another loam", in_use.error)
+        self.assertNotIn("result.json", self.files("stopped"))
+        self.assertNotIn("report.html", self.files("stopped"))
+
+        other = self.run_it("calibrate", "stopped", "--seed", 2)
+        self.assertEqual((other.returncode, other.output), (2, ""))
+        self.assertIn("'seed' is 1 in the run stored there and 2 now; use the same settings to continue it, or give another --out",
+                      other.error)
+
+        resumed = self.run_it("calibrate", "stopped")
+        self.assertEqual(resumed.returncode, 0, resumed.error)
+        self.assertEqual(without_times(self.result("stopped")), without_times(self.result("whole")))
+
+
+class Simulate(RunTest):
+    def test_given_parameters(self):
+        process = self.run_it("simulate", "run", "--set", "friction_angle=0.4", "--json")
+        self.assertEqual(process.returncode, 0, process.error)
+        result = self.result("run")
+        self.assertEqual(json.loads(process.output), result)
+        curve = result["curves"][0]
+        self.assertEqual(len(curve["simulated"]), len(curve["x"]))
+        self.assertEqual(len(curve["measured"]), len(curve["x"]))
+        self.assertGreater(max(curve["simulated"]), 0)
+
+    def test_a_faulty_packing(self):
+        packing = self.folder / "packing.csv"
+        packing.write_text("# periodic cell x,y,z in m: 1,1,1\nx_m,y_m,z_m,radius_m\n0.1,0.1,0.1,0.05\n0.5,0.5,half,0.05\n")
+        process = self.run_it("simulate", "run", "--packing", packing)
+        self.assertEqual((process.returncode, process.output), (2, ""), process.error)
+        self.assertIn("packing.csv:4", process.error)
+        self.assertIn("half", process.error)
+
+
+if __name__ == "__main__":
+    PROGRAM = sys.argv.pop(1)
+    unittest.main()
