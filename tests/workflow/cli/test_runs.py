@@ -113,6 +113,41 @@ class Calibrate(RunTest):
         self.assertEqual(without_times(self.result("stopped")), without_times(self.result("whole")))
 
 
+class FullDisk(RunTest):
+    # In a mount namespace of its own; what it prints: status and files of the run on the full disk, status once there is room.
+    SCRIPT = """
+mount -t tmpfs -o size=$1 tmpfs "$2" || exit 77
+shift; disk=$1; shift
+"$@"; echo "$? $(ls "$disk/run" | tr '\\n' ' ')"
+mount -o remount,size=64m "$disk"
+"$@" >/dev/null; echo $?
+"""
+
+    def on_small_disk(self, size):
+        disk = self.folder / "disk"
+        disk.mkdir(exist_ok=True)
+        spaces = ["--mount"] if os.geteuid() == 0 else ["--mount", "--map-root-user"]
+        process = subprocess.run(["unshare", *spaces, "sh", "-c", self.SCRIPT, "sh", size, disk, PROGRAM, "calibrate", SAND, "--config",
+                                  self.settings, "--out", disk / "run"], capture_output=True, text=True, timeout=200, check=False)
+        return process
+
+    def test_it_is_said_and_nothing_is_half_written(self):
+        # Too small for the ensemble, and too small for the report alone.
+        for size in ("12k", "300k"):
+            with self.subTest(size=size):
+                process = self.on_small_disk(size)
+                if process.returncode != 0 and not process.stdout:
+                    self.assertIn("ermitted", process.stderr)  # no right to mount here: the store's own tests limit file sizes
+                    return
+                full, room = process.stdout.splitlines()
+                status, *files = full.split()
+                self.assertEqual(status, "1", process.stderr)
+                self.assertIn("the disk is full", process.stderr)
+                self.assertLessEqual({"result.json", "report.html"} & set(files), set())
+                self.assertEqual([name for name in files if name.endswith(".tmp")], [])
+                self.assertEqual(room, "0", process.stderr)
+
+
 class Simulate(RunTest):
     def test_given_parameters(self):
         process = self.run_it("simulate", "run", "--set", "friction_angle=0.4", "--json")
