@@ -15,21 +15,28 @@ double inertial_number(double rate, double mean_stress, double mean_diameter, do
     return std::abs(rate) * mean_diameter * std::sqrt(grain_density / std::max(mean_stress, 1e-300));
 }
 
-void servo_rates(Simulation& simulation, const Eigen::Vector3d& target, const ServoOptions& options) {
+const Measurement& StressServo::advance(Simulation& simulation) {
     const Measurement& now = simulation.measured();
-    const double scale = target.mean();
-    const double limit = rate_for_inertial_number(options.inertial_number, std::max(now.mean_stress, scale),
+    const double scale = target_.mean();
+    const double limit = rate_for_inertial_number(options_.inertial_number, std::max(now.mean_stress, scale),
                                                   simulation.mean_diameter(), simulation.grain_density());
-    // The affine stiffness is an upper estimate, so that the approach is slow rather than oscillating; a
-    // floor keeps a packing without contacts moving.
-    const double stiffness = std::max(now.affine_stiffness, scale);
+    const double stiffness = std::max(now.affine_stiffness, scale);  // a floor keeps a loose cloud moving
     Eigen::Matrix3d gradient = Eigen::Matrix3d::Zero();
     for (int k = 0; k < 3; ++k) {
-        const double missing = target[k] - now.stress(k, k);
-        const double rate = missing / (stiffness * options.relaxation_steps * simulation.time_step());
+        const double missing = target_[k] - now.stress(k, k), before = missing_before_[k];
+        if (missing * before <= 0)
+            ease_[k] = std::max(1.0, 0.25 * ease_[k]);  // passed the target
+        else if (std::abs(missing) > 0.97 * std::abs(before))
+            ease_[k] = std::min(100.0, 1.05 * ease_[k]);
+        else if (std::abs(missing) < 0.8 * std::abs(before))
+            ease_[k] = std::max(1.0, 0.8 * ease_[k]);
+        missing_before_[k] = missing;
+        const double rate =
+            ease_[k] * missing / (stiffness * options_.relaxation_steps * simulation.time_step());
         gradient(k, k) = -std::clamp(rate, -limit, limit);
     }
     simulation.set_velocity_gradient(gradient);
+    return simulation.advance(options_.measure_every);
 }
 
 ServoSummary consolidate(Simulation& simulation, double stress, const ServoOptions& options,
@@ -37,10 +44,10 @@ ServoSummary consolidate(Simulation& simulation, double stress, const ServoOptio
     const Eigen::Vector3d target = Eigen::Vector3d::Constant(stress);
     const std::uint64_t start = simulation.steps();
     ServoSummary summary;
+    StressServo servo(target, options);
     simulation.advance(1);
     for (int good = 0; simulation.steps() - start < options.max_steps;) {
-        servo_rates(simulation, target, options);
-        const Measurement& now = simulation.advance(options.measure_every);
+        const Measurement& now = servo.advance(simulation);
         if (cancelled && cancelled()) throw std::runtime_error("cancelled");
         summary.stress_error = (now.stress.diagonal() - target).cwiseAbs().maxCoeff() / stress;
         summary.unbalanced_ratio = now.unbalanced_ratio;

@@ -33,9 +33,23 @@ struct ServoSummary {
     double unbalanced_ratio = 0;
 };
 
-/// Sets the velocity gradient of one stretch of `options.measure_every` steps so that the three normal
-/// stresses approach `target` (Pa) and shear rates are zero; call between stretches.
-void servo_rates(Simulation& simulation, const Eigen::Vector3d& target, const ServoOptions& options);
+/// Steers the velocity gradient so that the three normal stresses approach a target, with shear rates zero.
+/// The strain rate of an axis is what it misses over the affine stiffness and the relaxation time; because
+/// that stiffness is an upper estimate, nearly nil while a packing yields, the rate is eased where the stress
+/// does not follow.
+class StressServo {
+  public:
+    StressServo(const Eigen::Vector3d& target, const ServoOptions& options)
+        : target_(target), options_(options) {}
+
+    /// One stretch of options.measure_every steps; returns its measurement.
+    const Measurement& advance(Simulation& simulation);
+
+  private:
+    Eigen::Vector3d target_;
+    ServoOptions options_;
+    Eigen::Vector3d ease_ = Eigen::Vector3d::Ones(), missing_before_ = Eigen::Vector3d::Zero();
+};
 
 /// Brings the packing to the isotropic stress (Pa) and to rest. `cancelled` is polled; a true answer throws
 /// std::runtime_error. Not converging within max_steps is reported, not thrown.

@@ -138,14 +138,12 @@ PackingResult make_packing(const PackingOptions& options, const std::function<bo
 
     // Lower the friction, a little at a time under constant stress, until the packing is dense enough.
     double friction = high_friction;
-    const Vector3d target = Vector3d::Constant(options.stress);
+    StressServo steer(Vector3d::Constant(options.stress), servo);
     while (simulation.porosity() > options.target_porosity && friction > lowest_friction) {
         friction *= 0.97;
         simulation.set_law(preparation_law(options, friction));
-        for (int k = 0; k < 30 && simulation.porosity() > options.target_porosity; ++k) {
-            servo_rates(simulation, target, servo);
-            simulation.advance(servo.measure_every);
-        }
+        for (int k = 0; k < 30 && simulation.porosity() > options.target_porosity; ++k)
+            steer.advance(simulation);
         poll();
     }
     // Freeze the sliding and let the packing rest.

@@ -84,15 +84,20 @@ Simulation::Simulation(const Packing& packing, const LinearCohesive& law, const 
     mean_diameter_ = 2 * sum / static_cast<double>(count_);
     smallest_diameter_ = 2 * smallest;
     largest_diameter_ = 2 * largest;
-    dt_ = options_.time_step_safety * smallest * std::sqrt(options_.grain_density / law_.young_modulus);
+    set_time_step();
     drift_since_check_ = 1e300;  // forces the first rebuild
 }
 
 void Simulation::set_law(const LinearCohesive& law) {
     law.validate();
-    require(law.young_modulus == law_.young_modulus, "young_modulus", law.young_modulus,
-            "the one the time step was made for");
     law_ = law;
+    set_time_step();
+}
+
+/// The time of a p-wave across the smallest particle, times the safety factor (Smilauer et al. 2015).
+void Simulation::set_time_step() {
+    dt_ = options_.time_step_safety * 0.5 * smallest_diameter_ *
+          std::sqrt(options_.grain_density / law_.young_modulus);
 }
 
 double Simulation::volume() const {
@@ -230,6 +235,21 @@ void Simulation::record(const ContactSums& contacts, const IntegrateSums& motion
     energy_.work -= dt_ * v * measured_.stress.cwiseProduct(gradient_).sum();
     energy_.sliding += contacts.dissipation;
     energy_.damping += motion.dissipation;
+}
+
+void Simulation::set_velocities(const Eigen::Matrix3Xd& velocities) {
+    if (velocities.cols() != static_cast<Eigen::Index>(count_) || !velocities.allFinite())
+        throw std::invalid_argument("velocities: one finite column for each particle is needed");
+    for (std::size_t p = 0; p < count_; ++p)
+        for (int k = 0; k < 3; ++k) particles_[p].v[k] = velocities(k, static_cast<Eigen::Index>(p));
+    drift_since_check_ = 1e300;
+}
+
+Eigen::Matrix3Xd Simulation::velocities() const {
+    Eigen::Matrix3Xd out(3, static_cast<Eigen::Index>(count_));
+    for (std::size_t p = 0; p < count_; ++p)
+        for (int k = 0; k < 3; ++k) out(k, static_cast<Eigen::Index>(p)) = particles_[p].v[k];
+    return out;
 }
 
 Packing Simulation::packing() const {

@@ -83,14 +83,18 @@ class Simulation {
 
     void set_velocity_gradient(const Eigen::Matrix3d& gradient) { gradient_ = gradient; }
     const Eigen::Matrix3d& velocity_gradient() const { return gradient_; }
-    void set_law(const LinearCohesive& law);  // contacts keep their history
+    /// Changes the parameters; contacts keep their history, the time step follows the modulus.
+    void set_law(const LinearCohesive& law);
+
+    /// Velocities relative to the mean field [3 x n] (m/s); they start at zero.
+    void set_velocities(const Eigen::Matrix3Xd& velocities);
+    Eigen::Matrix3Xd velocities() const;
 
     const Measurement& measured() const { return measured_; }
     const EnergyBalance& energy() const { return energy_; }
     const Eigen::Matrix3d& cell() const { return cell_; }
     double volume() const;
     double time_step() const { return dt_; }
-    double time() const { return static_cast<double>(steps_) * dt_; }
     std::uint64_t steps() const { return steps_; }
     std::uint64_t rebuilds() const { return rebuilds_; }
     std::size_t particles() const { return count_; }
@@ -103,6 +107,7 @@ class Simulation {
     std::vector<ContactView> contacts() const;  // of the last step
 
   private:
+    void set_time_step();
     void step(bool measure);
     void update_neighbours();
     void contact_forces(ContactSums* sums);

@@ -54,9 +54,24 @@ class Loading {
         const double stress = std::max(axial(), std::min(target, options_.isotropic_stress));
         const double inertial = engine::rate_for_inertial_number(
             options_.inertial_number, stress, simulation_.mean_diameter(), simulation_.grain_density());
-        // Stiff packings are limited by how fast stress may change instead.
+        const double highest =
+            engine::rate_for_inertial_number(options_.highest_inertial_number, stress,
+                                             simulation_.mean_diameter(), simulation_.grain_density());
+        const double wanted =
+            std::min(std::max(inertial, options_.strain_per_step / simulation_.time_step()), highest);
+        // Stiff packings are limited by how fast stress may change instead. The affine stiffness is an upper
+        // estimate of the true one, which is nearly nil while a packing yields: `ease_` follows what the
+        // stress really does.
         const double stiffness = std::max(now.affine_stiffness, stress);
-        return std::min(inertial, options_.stress_change * stress / (stiffness * simulation_.time_step()));
+        const double gentle = ease_ * options_.stress_change * stress / (stiffness * simulation_.time_step());
+        return std::min(wanted, std::max(gentle, options_.least_strain_per_step / simulation_.time_step()));
+    }
+
+    void follow(double stress_before) {
+        const double change = std::abs(axial() - stress_before) / std::max(axial(), stress_before);
+        const double allowed = options_.stress_change * options_.measure_every;
+        if (change > allowed) ease_ = std::max(1.0, 0.5 * ease_);
+        if (change < 0.5 * allowed) ease_ = std::min(20.0, 1.1 * ease_);
     }
 
     void stretch(double direction, double target) {
@@ -64,7 +79,9 @@ class Loading {
         const double strain_rate = rate(target);
         gradient(2, 2) = -direction * strain_rate;
         simulation_.set_velocity_gradient(gradient);
+        const double stress_before = axial();
         const Measurement& now = simulation_.advance(options_.measure_every);
+        follow(stress_before);
         if (cancelled_ && cancelled_()) throw std::runtime_error("cancelled");
         result_.largest_inertial_number = std::max(
             result_.largest_inertial_number,
@@ -83,7 +100,7 @@ class Loading {
     const OedometerOptions& options_;
     OedometerResult& result_;
     const std::function<bool()>& cancelled_;
-    double seated_height_ = 1, unbalanced_sum_ = 0, stretches_ = 0;
+    double ease_ = 1, seated_height_ = 1, unbalanced_sum_ = 0, stretches_ = 0;
 };
 
 }  // namespace
@@ -103,18 +120,29 @@ void OedometerOptions::validate() const {
         throw std::invalid_argument("largest_strain: must be within 0..0.9");
 }
 
-OedometerResult run_oedometer(Simulation& simulation, const OedometerOptions& options,
-                              const std::function<bool()>& cancelled) {
+OedometerResult run_oedometer(Simulation& simulation, const engine::LinearCohesive& law,
+                              const OedometerOptions& options, const std::function<bool()>& cancelled) {
     options.validate();
     OedometerResult result;
     const auto stages = static_cast<Eigen::Index>(options.stages.size());
     result.strain = Eigen::VectorXd::Constant(stages, std::numeric_limits<double>::quiet_NaN());
+    if (options.seating_stiffness > 0) {
+        engine::LinearCohesive softer = law;
+        softer.young_modulus = options.seating_stiffness * options.isotropic_stress;
+        // Stiffening scales all forces at once; small factors let the packing expand without coming apart.
+        for (; softer.young_modulus < law.young_modulus; softer.young_modulus *= 4) {
+            simulation.set_law(softer);
+            consolidate(simulation, options.isotropic_stress, options.servo, cancelled);
+        }
+    }
+    simulation.set_law(law);
     const auto seated = consolidate(simulation, options.isotropic_stress, options.servo, cancelled);
     result.seating_error = seated.stress_error;
     if (!seated.converged) {
         result.reason = "the packing did not come to rest at the seating stress";
         return result;
     }
+    result.seating_steps = simulation.steps();
     Loading loading(simulation, options, result, cancelled);
     loading.mark_seated();
     if (options.seating_stress > options.isotropic_stress * 1.0001) {

@@ -19,10 +19,19 @@ struct OedometerOptions {
     std::vector<double> stages;      // Pa, in order; a stage below the one before it is unloading
     double inertial_number = 1e-3;   // sets the strain rate from the present stress
     double stress_change = 0.003;    // largest relative change of the axial stress in one step
-    double strain_rate = 0;          // 1/s: when positive, used throughout instead of the two above
-    int measure_every = 10;          // steps between looks at the stress and the rate
-    double largest_strain = 0.45;    // a run beyond it is out of range: the cell gets too flat
-    bool record_path = false;        // keep the whole curve
+    double strain_per_step =
+        1e-6;  // the rate is not lowered below this, so that rigid packings end in reasonable time,
+    double highest_inertial_number = 4e-3;  // unless the inertial number would pass this
+    double least_strain_per_step =
+        2e-7;                      // nor for the change of stress below this: rigid packings stick and slip
+    double strain_rate = 0;        // 1/s: when positive, used throughout instead of the two above
+    int measure_every = 10;        // steps between looks at the stress and the rate
+    double largest_strain = 0.45;  // a run beyond it is out of range: the cell gets too flat
+    // Seats first with a modulus of at most so many times the isotropic stress, then with the true one: in
+    // the limit of rigid grains the packing is the same and the way there much shorter. 0: at once, for
+    // packings that were given.
+    double seating_stiffness = 0;
+    bool record_path = false;  // keep the whole curve
     engine::ServoOptions servo;
 
     void validate() const;  // throws std::invalid_argument
@@ -40,14 +49,15 @@ struct OedometerResult {
     double largest_overlap = 0;          // over R_i + R_j
     double energy_error = 0;             // of the energy balance, where the simulation keeps one
     std::uint64_t steps = 0;             // seating included
+    std::uint64_t seating_steps = 0;
     std::vector<double> path_strain, path_axial, path_lateral;  // with record_path
 };
 
 /// Runs the test on the simulation, which must hold the packing with the contact parameters of the test.
 /// Source of the procedure: De Pue et al. 2019, section 2.2.2. `cancelled` is polled and makes it throw
 /// std::runtime_error.
-OedometerResult run_oedometer(engine::Simulation& simulation, const OedometerOptions& options,
-                              const std::function<bool()>& cancelled = {});
+OedometerResult run_oedometer(engine::Simulation& simulation, const engine::LinearCohesive& law,
+                              const OedometerOptions& options, const std::function<bool()>& cancelled = {});
 
 // The entries of the table of lab tests (registry.hpp). The reading at the seating stress, where strain is
 // zero by definition, is not simulated; of a phase with more than 40 readings 40 are used, evenly spread over

@@ -42,6 +42,7 @@ OedometerOptions oedometer_options(const Settings& settings, const lab_data::Tes
     options.isotropic_stress =
         std::min(1000 * settings.specimen.preparation_stress_kPa, options.seating_stress);
     options.inertial_number = settings.engine.inertial_number;
+    if (settings.packing.empty()) options.seating_stiffness = 2e4;
     for (const std::size_t k : oedometer_readings(test))
         options.stages.push_back(test.column("axial_stress")[k]);
     return options;
@@ -79,7 +80,7 @@ VirtualTestResult run_measured_oedometer(const engine::Packing& packing, const e
                                          const Settings& settings, double grain_density,
                                          const lab_data::Test& test, const std::function<bool()>& cancelled) {
     engine::Simulation simulation(packing, law, simulation_options(settings, grain_density, true));
-    const OedometerResult run = run_oedometer(simulation, oedometer_options(settings, test), cancelled);
+    const OedometerResult run = run_oedometer(simulation, law, oedometer_options(settings, test), cancelled);
     VirtualTestResult result;
     result.ok = run.complete;
     result.reason = run.reason;
@@ -101,7 +102,7 @@ PictureOfTest picture_of_oedometer(const engine::Packing& packing, const engine:
     const double highest = *std::ranges::max_element(options.stages);
     options.stages = {highest};
     engine::Simulation simulation(packing, law, simulation_options(settings, grain_density, false));
-    run_oedometer(simulation, options);
+    run_oedometer(simulation, law, options);
     return {simulation.packing(), simulation.contacts(), simulation.measured().stress(2, 2)};
 }
 
