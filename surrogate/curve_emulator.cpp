@@ -20,7 +20,7 @@ using Eigen::VectorXd;
 
 namespace {
 
-constexpr Index rough_inputs = 300;  // a first estimate of the noise needs no more
+constexpr Index first_look_inputs = 300;  // a first estimate of the noise needs no more
 constexpr double metric_ridge =
     0.01;  // part of the outputs' own noise variance added to the whitening metric
 constexpr double relative_floor = 1e-10;  // numerical noise of a component over its variance
@@ -57,14 +57,10 @@ Data bounded(const Data& data, Index most) {
     return {inputs, data.outputs(rows, Eigen::all), find_replicates(inputs)};
 }
 
-struct ComponentFits {
-    std::vector<GaussianProcess> processes;
-    int evaluations = 0;
-};
-
-// One process for each of the first `count` columns of the scores.
-ComponentFits fit_components(const Data& data, const MatrixXd& scores, Index count,
-                             const GaussianProcessOptions& options, int threads) {
+// One process for each of the first `count` columns of the scores; adds to `evaluations`.
+std::vector<GaussianProcess> fit_components(const Data& data, const MatrixXd& scores, Index count,
+                                            const GaussianProcessOptions& options, int threads,
+                                            int& evaluations) {
     std::vector<std::optional<GaussianProcess>> fits(static_cast<std::size_t>(count));
     std::vector<std::exception_ptr> errors(fits.size());
 #pragma omp parallel for schedule(dynamic, 1) num_threads(threads > 0 ? threads : omp_get_max_threads())
@@ -78,37 +74,58 @@ ComponentFits fit_components(const Data& data, const MatrixXd& scores, Index cou
             errors[which] = std::current_exception();
         }
     }
-    ComponentFits result;
+    std::vector<GaussianProcess> processes;
     for (std::size_t j = 0; j < fits.size(); ++j) {
         if (errors[j]) std::rethrow_exception(errors[j]);
-        result.processes.push_back(std::move(*fits[j]));
-        result.evaluations += result.processes.back().summary().evaluations;
+        processes.push_back(std::move(*fits[j]));
+        evaluations += processes.back().summary().evaluations;
     }
-    return result;
+    return processes;
 }
 
-// Covariance of the noise at the centre of the cube, from processes fitted quickly to the standardised
-// curves.
-MatrixXd rough_noise(const Data& data, const CurveEmulatorOptions& options, int& evaluations) {
-    const CurveBasis basis = standardised_basis(data.groups.means(data.outputs));
-    const double total = basis.score_variance.sum();
-    const Index count = std::clamp<Index>((basis.score_variance.array() > 1e-8 * total).count(), 1,
-                                          std::min<Index>(options.max_components, data.groups.size() - 2));
-    const MatrixXd scores = basis.scores(data.outputs);
+// At least one component is emulated, and never so many that the inputs could not tell signal from noise.
+Index allowed(Index wanted, const CurveEmulatorOptions& options, const ReplicateGroups& groups) {
+    return std::clamp<Index>(wanted, 1, std::min<Index>(options.max_components, groups.size() - 2));
+}
+
+// Components of whitened curves that vary more than noise alone lets the first of them.
+Index above_noise(const CurveBasis& basis, const ReplicateGroups& groups) {
+    const double ratio = static_cast<double>(basis.offset.size()) / static_cast<double>(groups.size());
+    return (basis.score_variance.array() > std::pow(1 + std::sqrt(ratio), 2)).count();
+}
+
+// What the careful fit has to know of the noise beforehand.
+struct FirstLook {
+    MatrixXd metric;  // [m x m] covariance at the centre of the cube, made a little stiffer
+    VectorXd slope;   // [d] of its logarithm
+};
+
+// From processes fitted quickly to the standardised, then to the whitened curves.
+FirstLook first_look(const Data& data, const CurveEmulatorOptions& options, int& evaluations) {
     const GaussianProcessOptions quick{.kernel = options.kernel,
                                        .starts = 1,
                                        .max_evaluations = 60,
                                        .relative_floor = relative_floor,
                                        .seed = options.seed};
-    const ComponentFits fits = fit_components(data, scores, count, quick, options.threads);
-    evaluations += fits.evaluations;
-    const MatrixXd covariance =
-        estimate_noise_covariance({data.groups, scores, fits.processes}, VectorXd::Zero(data.inputs.cols()));
-    MatrixXd noise = basis.from_scores * covariance * basis.from_scores.transpose();
-    // Directions in which the noise seems next to nothing are the worst known; they must not lead the
-    // components.
-    noise.diagonal() *= 1 + metric_ridge;
-    return noise;
+    const VectorXd level = VectorXd::Zero(data.inputs.cols());
+    const MatrixXd curves = data.groups.means(data.outputs);
+    CurveBasis basis = standardised_basis(curves);
+    MatrixXd scores = basis.scores(data.outputs);
+    const Index count = (basis.score_variance.array() > 1e-8 * basis.score_variance.sum()).count();
+    auto processes = fit_components(data, scores, allowed(count, options, data.groups), quick,
+                                    options.threads, evaluations);
+    const MatrixXd noise = estimate_noise_covariance({data.groups, scores, processes}, level);
+    FirstLook look{basis.from_scores * noise * basis.from_scores.transpose(), level};
+    // Directions in which the noise seems next to nothing are the worst known; they must not lead.
+    look.metric.diagonal() *= 1 + metric_ridge;
+    if (!options.noise_slope) return look;
+
+    basis = whitened_basis(curves, look.metric);
+    scores = basis.scores(data.outputs);
+    processes = fit_components(data, scores, allowed(above_noise(basis, data.groups), options, data.groups),
+                               quick, options.threads, evaluations);
+    look.slope = estimate_noise_slope({data.groups, scores, processes});
+    return look;
 }
 
 }  // namespace
@@ -137,38 +154,26 @@ CurveEmulator CurveEmulator::fit(const MatrixXd& inputs, const MatrixXd& outputs
                                     " are needed");
     CurveEmulator emulator;
     CurveEmulatorSummary& summary = emulator.summary_;
+    const FirstLook look = first_look(bounded(data, first_look_inputs), options, summary.evaluations);
+
     emulator.groups_ = data.groups;
     emulator.actual_ = data.groups.means(outputs);
-    emulator.basis_ = whitened_basis(emulator.actual_,
-                                     rough_noise(bounded(data, rough_inputs), options, summary.evaluations));
-
-    const double ratio = static_cast<double>(outputs.cols()) / static_cast<double>(data.groups.size());
-    const double edge = std::pow(1 + std::sqrt(ratio), 2);
-    const VectorXd& variance = emulator.basis_.score_variance;
-    const Index above = (variance.array() > edge).count();
-    const Index count =
-        std::clamp<Index>(above, 1, std::min<Index>(options.max_components, data.groups.size() - 2));
-    summary.stopped_by = above > count ? "most components allowed" : "the rest is noise";
-
+    emulator.basis_ = whitened_basis(emulator.actual_, look.metric);
+    const Index above = above_noise(emulator.basis_, data.groups),
+                count = allowed(above, options, data.groups);
     const MatrixXd scores = emulator.basis_.scores(outputs);
-    GaussianProcessOptions careful{.kernel = options.kernel,
-                                   .starts = options.starts,
-                                   .relative_floor = relative_floor,
-                                   .seed = options.seed};
-    ComponentFits fits = fit_components(data, scores, count, careful, options.threads);
-    summary.evaluations += fits.evaluations;
-    VectorXd slope = VectorXd::Zero(inputs.cols());
-    if (options.noise_slope) slope = estimate_noise_slope({data.groups, scores, fits.processes});
-    if (!slope.isZero(0)) {
-        careful.noise_slope = slope;
-        fits = fit_components(data, scores, count, careful, options.threads);
-        summary.evaluations += fits.evaluations;
-    }
-    const MatrixXd covariance = estimate_noise_covariance({data.groups, scores, fits.processes}, slope);
+    const GaussianProcessOptions careful{.kernel = options.kernel,
+                                         .noise_slope = look.slope,
+                                         .starts = options.starts,
+                                         .relative_floor = relative_floor,
+                                         .seed = options.seed};
+    emulator.processes_ = fit_components(data, scores, count, careful, options.threads, summary.evaluations);
+    const MatrixXd noise = estimate_noise_covariance({data.groups, scores, emulator.processes_}, look.slope);
     const MatrixXd& back = emulator.basis_.from_scores;
-    emulator.noise_ = {back * covariance * back.transpose(), slope};
-    emulator.processes_ = std::move(fits.processes);
+    emulator.noise_ = {back * noise * back.transpose(), look.slope};
 
+    const VectorXd& variance = emulator.basis_.score_variance;
+    summary.stopped_by = above > count ? "most components allowed" : "the rest is noise";
     summary.runs = outputs.rows();
     summary.inputs = data.groups.size();
     summary.components = count;

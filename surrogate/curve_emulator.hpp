@@ -1,12 +1,12 @@
 // Emulates a model whose answer is a whole curve of m numbers, from an ensemble of noisy runs.
 //
-// 1. A rough fit: principal components of the standardised curves, a Gaussian process each, gives a first
-//    covariance of the noise along the curve (curve_noise.hpp).
-// 2. Curves are whitened by that noise and taken apart again. Components whose variance is above what noise
-//    alone gives the largest of m components in g inputs, (1 + sqrt(m / g))^2 (Marchenko & Pastur 1967;
-//    Johnstone 2001), are emulated by a Gaussian process each; the rest is added to the noise.
-// 3. Where BIC finds that the noise changes over the inputs (log-linearly), the processes are fitted again
-//    with it. The noise covariance is then estimated anew.
+// 1. A first look: principal components of the standardised curves, a Gaussian process each, fitted quickly,
+//    give a first covariance of the noise along the curve; the same again on curves whitened by it tells
+//    whether the noise changes over the inputs (log-linearly, where BIC prefers that; curve_noise.hpp).
+// 2. The curves are whitened by that noise. Components whose variance is above what noise alone gives the
+//    largest of m components in g inputs, (1 + sqrt(m / g))^2 (Marchenko & Pastur 1967; Johnstone 2001), are
+//    emulated by a Gaussian process each, now carefully; the rest counts as noise.
+// 3. The noise covariance is estimated anew.
 // Components are independent of each other given the data. Emulation of curves by their principal components
 // follows Higdon et al. 2008, "Computer model calibration using high-dimensional output".
 #pragma once

@@ -24,15 +24,15 @@ struct CurveNoise {
 };
 
 /// What an ensemble says about the noise: all scores of all rows [n x m], and the processes that were fitted
-/// to the first of them, with the noise slope they were given.
+/// to the first of them.
 struct NoiseEvidence {
     const ReplicateGroups& groups;
     const Eigen::MatrixXd& scores;
     const std::vector<GaussianProcess>& processes;
 };
 
-/// How the noise variance changes over the inputs, beyond the slope that the processes already have: [d],
-/// zero unless BIC prefers a slope. One slope for all scores, from the same sources as the covariance below.
+/// How the log of the noise variance changes over the inputs, [d], zero unless BIC prefers a slope; from
+/// processes fitted without one. One slope for all scores, from the same sources as the covariance below.
 Eigen::VectorXd estimate_noise_slope(const NoiseEvidence& evidence);
 
 /// Covariance of the scores [m x m] at the centre of the cube, given the slope [d] of its logarithm.

@@ -77,7 +77,7 @@ TEST(Priors, QuantileInvertsTheDistributionIntoTheTails) {
             const double far =
                 std::max(std::abs(lower(prior) - prior.mean), std::abs(upper(prior) - prior.mean));
             const double rounding =
-                1e-15 * std::exp(prior.log_density_unit(x)) * (1 + far / (upper(prior) - lower(prior)));
+                2e-15 * std::exp(prior.log_density_unit(x)) * (1 + far / (upper(prior) - lower(prior)));
             EXPECT_NEAR(prior.cdf_unit(x), u, 1e-12 * u + rounding) << prior.mean << " at " << u;
         }
         EXPECT_NEAR(prior.quantile_unit(0), 0, 1e-12);
