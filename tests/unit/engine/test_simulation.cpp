@@ -86,7 +86,7 @@ TEST(TwoSpheres, ElasticImpactGivesBackTheSpeedAndTakesHalfAPeriod) {
 TEST(TwoSpheres, TensionHoldsUpToTheAdhesionAndNoFurther) {
     // a_n = C min(R)^2 = k_n u: the contact parts at a gap of C R^2 / (E R) = C R / E.
     LinearCohesive law = elastic_law(1e7);
-    law.normal_cohesion = 1e5;
+    law.normal_cohesion = law.shear_cohesion = 1e5;
     const double parting_gap = 1e5 * 0.05 / 1e7;
     const auto pull = [&](double gap) {
         Simulation simulation(two_spheres(-1e-6, Vector3d::UnitX()), law, undamped());
@@ -216,10 +216,10 @@ TEST(Simulation, TheSameInputGivesTheSameBits) {
 
 TEST(Simulation, ExplodingPackingsEndWithAReason) {
     PackingOptions options;
-    options.particles = 200;
+    options.particles = 300;
     Packing packing = make_packing(options).packing;
     packing.radii *= 2.3;  // neighbours overlap by more than half
-    EXPECT_THROW(Simulation(packing, LinearCohesive{}, {}).advance(10), std::runtime_error);
+    EXPECT_THROW(Simulation(packing, LinearCohesive{}, {}).advance(1), std::runtime_error);
 }
 
 TEST(Simulation, UnsoundInputIsRefusedByName) {
