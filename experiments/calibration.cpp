@@ -188,8 +188,11 @@ Observation observation_of(const Campaign& campaign, std::vector<Index>& columns
     Observation out;
     out.measured = Eigen::Map<VectorXd>(measured.data(), static_cast<Index>(measured.size()));
     if (stated) out.sd = Eigen::Map<VectorXd>(sd.data(), static_cast<Index>(sd.size()));
-    if (settings.calibration.specimen_particles > 0)
-        out.packing_share = static_cast<double>(settings.particles) / settings.calibration.specimen_particles;
+    // A real specimen averages over countless grains; a synthetic one scatters like the packing that it is.
+    const int grains = settings.calibration.specimen_particles;
+    out.packing_share = grains > 0            ? static_cast<double>(settings.particles) / grains
+                        : campaign.measured() ? 0.0
+                                              : 1.0;
     return out;
 }
 

@@ -35,9 +35,10 @@ struct Calibration {
 /// The runs that train the first emulator: the design, and further packings at some of its points.
 std::vector<RunRecord> training_runs(Campaign& campaign);
 
-/// `count` direct runs at `parameters` (SI) on packings that no emulator is trained on; `round` tells their packings from
-/// other rounds'.
-std::vector<RunRecord> direct_runs(Campaign& campaign, const Eigen::VectorXd& parameters, int round, int count);
+/// `count` direct runs at `parameters` (SI) on packings that no emulator is trained on; `round` tells their
+/// packings from other rounds'.
+std::vector<RunRecord> direct_runs(Campaign& campaign, const Eigen::VectorXd& parameters, int round,
+                                   int count);
 
 /// The measured values of the campaign's fitted outputs, with their columns.
 Observation observation_of(const Campaign& campaign, std::vector<Eigen::Index>& columns);

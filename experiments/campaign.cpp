@@ -102,6 +102,7 @@ Campaign::Campaign(const Settings& settings, const lab_data::Sample& sample,
       tests_(select_tests(settings, sample, warnings_)),
       grain_density_(settings.specimen.grain_density_kg_m3.value_or(
           sample.grain_density > 0 ? sample.grain_density : 2600.0)),
+      measured_(sample.measured),
       specimens_(settings_),
       store_(folder, make_header(settings, space_, tests_, grain_density_)),
       log_(log) {

@@ -61,6 +61,8 @@ class Campaign {
     /// What that run's first test was made of: its packing, or the one that the settings name.
     engine::Packing packing(const RunSpec& spec);
     double grain_density() const { return grain_density_; }
+    /// Whether the sample is a real soil, whose grains are countless, or synthetic.
+    bool measured() const { return measured_; }
 
   private:
     RunRecord simulate(const RunSpec& spec, const StopToken& stop);
@@ -71,6 +73,7 @@ class Campaign {
     std::vector<CampaignTest> tests_;
     Eigen::Index outputs_ = 0;
     double grain_density_ = 0;
+    bool measured_ = true;
     std::vector<std::string> warnings_;
     std::optional<engine::Packing> given_packing_;
     SpecimenPool specimens_;

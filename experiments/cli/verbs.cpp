@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "experiments/workflows/bench.hpp"
 #include "experiments/workflows/calibrate.hpp"
 #include "experiments/workflows/check.hpp"
 #include "experiments/workflows/effects.hpp"
@@ -32,6 +33,7 @@ const std::array table{
          "loam report runs/calibrate-dobrany-sand", run_report},
     Verb{"effects", "list laws and effects with parameters, units, bounds, sources", "", "",
          "loam effects", run_effects},
+    Verb{"bench", "run a benchmark: twins | rate | engine", "NAME", "which benchmark", "loam bench engine", run_bench},
     Verb{"test", "run the test suite (see ./loam test --help)", "", "", "loam test", explain_test},
 };
 // clang-format on

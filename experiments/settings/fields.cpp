@@ -132,7 +132,7 @@ const std::array table{
     Field{"calibration", "posterior_draws", [](Settings& s) -> Slot { return &s.calibration.posterior_draws; },
           "kept draws of the posterior", count(100, 1e7)},
     Field{"calibration", "specimen_particles", [](Settings& s) -> Slot { return &s.calibration.specimen_particles; },
-          "the measured specimen scatters like a packing of so many particles; 0: as the runs do", count(0, 1e12)},
+          "particles in the measured specimen, whose scatter they set; 0: countless if measured, as the runs if synthetic", count(0, 1e12)},
 };
 // clang-format on
 

@@ -50,12 +50,13 @@ struct CalibrationSettings {
     std::string design = "latin-hypercube";
     std::string kernel = "matern52";
     std::string global_optimizer = "crs2";
-    int replicates = 12;            // further packings at chosen points, from which packing noise is learnt
+    int replicates = 10;            // further packings at chosen points, from which packing noise is learnt
     int confirmation_packings = 8;  // fresh packings for the direct runs at the estimate
     int max_rounds = 3;             // rounds of runs added where emulator and direct runs disagree
     int runs_per_round = 24;
     int posterior_draws = 4000;
-    int specimen_particles = 0;  // the measured specimen scatters like a packing of so many; 0: as the runs
+    int specimen_particles = 0;      // in the measured specimen, which scatters like such a packing; 0: countless in a
+                                     // measured soil, as many as in the runs in a synthetic one
     bool operator==(const CalibrationSettings&) const = default;
 };
 
@@ -75,7 +76,7 @@ struct Settings {
     std::string rotation = "blocked";  // blocked | free
     std::vector<std::string> effects;
     int particles = 700;
-    int runs = 200;
+    int runs = 160;
     std::string
         inputs_digest;  // of the sample's files and the packing, so that a resumed run meets the same data
     std::map<std::string, double> set;    // parameters held fixed, SI

@@ -33,8 +33,11 @@ std::vector<std::string> unset_warnings(const Campaign& campaign) {
 json curves_result(const json& tests) {
     json out = json::array();
     for (const json& test : tests)
-        out.push_back({{"file", test["file"]}, {"channel", test["channel"]}, {"x", test["x"]},
-                       {"measured", test["measured"]}, {"simulated", test["simulated"]}});
+        out.push_back({{"file", test["file"]},
+                       {"channel", test["channel"]},
+                       {"x", test["x"]},
+                       {"measured", test["measured"]},
+                       {"simulated", test["simulated"]}});
     return out;
 }
 
@@ -43,8 +46,13 @@ json parameters_document(const Campaign& campaign) {
     const ParameterSpace& space = campaign.space();
     for (std::size_t p = 0; p < space.law->parameters.size(); ++p) {
         const engine::ParameterInfo& info = space.law->parameters[p];
-        out.push_back({{"name", info.name}, {"symbol", info.symbol}, {"unit", info.unit}, {"meaning", info.meaning},
-                       {"estimate", space.values[static_cast<Eigen::Index>(p)]}, {"fixed", true}, {"log", false}});
+        out.push_back({{"name", info.name},
+                       {"symbol", info.symbol},
+                       {"unit", info.unit},
+                       {"meaning", info.meaning},
+                       {"estimate", space.values[static_cast<Eigen::Index>(p)]},
+                       {"fixed", true},
+                       {"log", false}});
     }
     return out;
 }
@@ -52,8 +60,8 @@ json parameters_document(const Campaign& campaign) {
 std::string table(const json& tests, const json& warnings, const std::string& report) {
     std::string text;
     for (const json& test : tests) {
-        text += fmt::format("{}\n{:>14} {:>12} {:>12}\n", test["file"].get<std::string>(), "stress (kPa)", "measured",
-                            "simulated");
+        text += fmt::format("{}\n{:>14} {:>12} {:>12}\n", test["file"].get<std::string>(), "stress (kPa)",
+                            "measured", "simulated");
         for (std::size_t k = 0; k < test["x"].size(); ++k)
             text += fmt::format("{:>14.4g} {:>12.6f} {:>12.6f}\n", test["x"][k].get<double>() / 1000,
                                 test["measured"][k].get<double>(), test["simulated"][k].get<double>());
@@ -97,7 +105,8 @@ int run_simulate(const Settings& settings) {
     write_file_atomically(folder.file("report.json"), document.dump() + "\n");
     write_file_atomically(folder.file("report.html"), report_html(document));
     write_file_atomically(folder.file("result.json"), result.dump(1) + "\n");
-    print_result(settings, result, table(document["tests"], result["warnings"], folder.file("report.html").string()));
+    print_result(settings, result,
+                 table(document["tests"], result["warnings"], folder.file("report.html").string()));
     return 0;
 }
 

@@ -1,0 +1,22 @@
+// The benchmarks that `loam bench` runs, one file each; the table stands in ../bench.cpp.
+#pragma once
+
+#include "experiments/settings/settings.hpp"
+#include "lab_data/sample.hpp"
+
+namespace loam::experiments {
+
+/// Synthetic soils with known parameters, recovered from one shared ensemble: errors, floors and coverage.
+int bench_twins(const Settings& settings);
+
+/// Oedometer runs at the default loading rate and at half of it: mean change of strain, stage by stage.
+int bench_rate(const Settings& settings);
+
+/// Particle-steps and contact-steps a second of the engine.
+int bench_engine(const Settings& settings);
+
+/// The oedometer of De Pue et al. (2019): their eight stages, seated at 2 kPa, as a sample without measured
+/// strain.
+lab_data::Sample reference_sample();
+
+}  // namespace loam::experiments

@@ -1,0 +1,94 @@
+// loam bench rate: is the loading quasi-static? The same packings and soils at the loading rate of the
+// settings and at half of it (inertial number and both limits of the rate halved together).
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "experiments/calibration.hpp"
+#include "experiments/lab_tests/oedometer.hpp"
+#include "experiments/settings/run_folder.hpp"
+#include "experiments/workflows/benchmarks/benchmarks.hpp"
+#include "surrogate/designs.hpp"
+
+namespace loam::experiments {
+namespace {
+
+constexpr Eigen::Index soils = 24;
+constexpr std::uint64_t packings = 4;
+
+Eigen::VectorXd run_at(const engine::Packing& packing, const engine::LinearCohesive& law, double factor,
+                       const Settings& settings, const lab_data::Test& test) {
+    engine::SimulationOptions how;
+    how.damping = settings.engine.damping;
+    how.time_step_safety = settings.engine.time_step_safety;
+    OedometerOptions options;
+    options.stages = test.column("axial_stress");
+    options.seating_stiffness = 2e4;
+    options.inertial_number = factor * settings.engine.inertial_number;
+    options.highest_inertial_number *= factor;
+    options.strain_per_step *= factor;
+    options.least_strain_per_step *= factor;
+    options.stress_change *= factor;
+    engine::Simulation simulation(packing, law, how);
+    const StopToken stop = SignalScope::token();
+    return run_oedometer(simulation, law, options,
+                         [&] {
+                             stop.throw_if_requested();
+                             return false;
+                         })
+        .strain;
+}
+
+}  // namespace
+
+int bench_rate(const Settings& settings) {
+    const lab_data::Sample sample = reference_sample();
+    const lab_data::Test& test = sample.tests.front();
+    const ParameterSpace space = parameter_space(settings);
+    // The central four fifths of the prior.
+    Eigen::MatrixXd u = surrogate::sobol_sequence(soils, space.dimension(), {.seed = settings.seed});
+    u = (0.1 + 0.8 * u.array()).matrix();
+    const Eigen::MatrixXd x = space.from_probabilities(u);
+    SpecimenPool pool(settings);
+    const auto stages = static_cast<Eigen::Index>(test.size());
+    Eigen::VectorXd change = Eigen::VectorXd::Zero(stages), size = change, runs = change;
+    const int total = static_cast<int>(soils * static_cast<Eigen::Index>(packings));
+    std::vector<Eigen::VectorXd> full(static_cast<std::size_t>(total)), half = full;
+#pragma omp parallel for schedule(dynamic)
+    for (int k = 0; k < total; ++k) {
+        const auto at = static_cast<std::size_t>(k);
+        const auto specimen =
+            pool.get(0.47, static_cast<std::uint32_t>(settings.particles), 1 + at % packings, {});
+        const engine::LinearCohesive law = contact_law(
+            settings, *space.law, space.physical(x.row(k / static_cast<int>(packings)).transpose()));
+        full[at] = run_at(specimen->packing, law, 1, settings, test);
+        half[at] = run_at(specimen->packing, law, 0.5, settings, test);
+    }
+    for (std::size_t k = 0; k < full.size(); ++k)
+        for (Eigen::Index s = 0; s < stages; ++s) {
+            const double d = half[k][s] - full[k][s];
+            if (!std::isfinite(d)) continue;
+            change[s] += d;
+            size[s] += std::abs(d);
+            runs[s] += 1;
+        }
+    nlohmann::json rows = nlohmann::json::array();
+    std::string text = fmt::format(
+        "{} soils, {} packings each; strain at half the rate minus strain at the full rate\n"
+        "{:>12} {:>12} {:>14} {:>6}\n",
+        soils, packings, "stress (kPa)", "mean", "mean absolute", "runs");
+    for (Eigen::Index s = 0; s < stages; ++s) {
+        const double stress = test.column("axial_stress")[static_cast<std::size_t>(s)] / 1000;
+        rows.push_back({{"stress_kPa", stress},
+                        {"mean", change[s] / runs[s]},
+                        {"mean_absolute", size[s] / runs[s]},
+                        {"runs", runs[s]}});
+        text += fmt::format("{:>12.0f} {:>12.2e} {:>14.2e} {:>6.0f}\n", stress, change[s] / runs[s],
+                            size[s] / runs[s], runs[s]);
+    }
+    fmt::print("{}", settings.json ? rows.dump(1) + "\n" : text);
+    return 0;
+}
+
+}  // namespace loam::experiments
