@@ -194,6 +194,7 @@ void rebuild_pairs(PairList& pairs, AlignedVector<ParticleRow>& particles, std::
         pairs.i[k] = static_cast<std::int32_t>(count);
         pairs.j[k] = static_cast<std::int32_t>(count + 1);
         pairs.image[k] = image_home;
+        pairs.radius_sum[k] = 1e-3;  // what is divided by must not be zero
         pairs.stiffness_length[k] = 1.0;
     }
 }

@@ -214,6 +214,25 @@ TEST(Simulation, TheSameInputGivesTheSameBits) {
     EXPECT_EQ(stress[0], stress[1]);
 }
 
+TEST(Rotation, FreePackingsStayFiniteAndKeepTheirMomentum) {
+    // Particle numbers that fill the last block of eight pairs to every degree.
+    for (const std::uint32_t particles : {150u, 151u, 153u, 157u}) {
+        PackingOptions options;
+        options.particles = particles;
+        options.target_porosity = 0.44;
+        SimulationOptions how;
+        how.free_rotation = true;
+        how.damping = 0;
+        Simulation simulation(make_packing(options).packing, LinearCohesive{}, how);
+        ASSERT_NO_THROW(simulation.advance(1));
+        for (int k = 0; k < 20; ++k) ASSERT_NO_THROW(simulation.advance(50));
+        const Packing now = simulation.packing();
+        const Eigen::VectorXd mass = now.radii.array().cube();
+        const Matrix3Xd v = simulation.velocities();
+        EXPECT_LT((v * mass).norm(), 1e-9 * (v.colwise().norm() * mass).value());
+    }
+}
+
 TEST(Simulation, ExplodingPackingsEndWithAReason) {
     PackingOptions options;
     options.particles = 300;
