@@ -2,6 +2,8 @@
 import json
 import os
 import pathlib
+import random
+import re
 import shutil
 import signal
 import subprocess
@@ -111,6 +113,39 @@ class Calibrate(RunTest):
         resumed = self.run_it("calibrate", "stopped")
         self.assertEqual(resumed.returncode, 0, resumed.error)
         self.assertEqual(without_times(self.result("stopped")), without_times(self.result("whole")))
+
+
+class Kills(RunTest):
+    KILLS = 20
+
+    def test_killed_twenty_times_it_ends_with_the_same_bits(self):
+        whole = self.run_it("calibrate", "whole")
+        self.assertEqual(whole.returncode, 0, whole.error)
+        moments = random.Random(7)
+        killed = 0
+        while killed < self.KILLS:
+            process = self.start("calibrate", "killed", "--jobs", 1)
+            try:
+                process.wait(timeout=moments.uniform(0.02, 0.5))
+            except subprocess.TimeoutExpired:
+                process.kill()
+                killed += 1
+            process.communicate()
+            if process.returncode == 0:  # it got to its end: begin anew, so that every kill meets a run at work
+                shutil.rmtree(self.folder / "killed")
+        last = self.run_it("calibrate", "killed")
+        self.assertEqual(last.returncode, 0, last.error)
+        self.assertEqual((self.folder / "killed/ensemble.h5").read_bytes(), (self.folder / "whole/ensemble.h5").read_bytes())
+        self.assertEqual(without_times(self.result("killed")), without_times(self.result("whole")))
+        # Taken up once more, everything is there: nothing is simulated.
+        again = self.run_it("calibrate", "killed")
+        self.assertEqual(again.returncode, 0, again.error)
+        log = (self.folder / "killed/log.txt").read_text(encoding="utf-8")
+        tail = log[log.rindex("calibrate"):]
+        stages = re.findall(r": (\d+) runs, (\d+) of them made before", tail)
+        self.assertTrue(stages)
+        for total, before in stages:
+            self.assertEqual(total, before, tail)
 
 
 class FullDisk(RunTest):
