@@ -10,9 +10,9 @@ namespace loam::surrogate {
 
 /// Latin hypercube of n points in d dimensions, [n x d]: each column holds the cell centres (i + 1/2) / n
 /// once. The cells are chosen to spread the points: swaps within a column that lower the phi_p criterion, the
-/// sum over all pairs of distance^-20, for a number of swaps bounded so that n = 1000, d = 5 takes well under a
-/// second. Source: Morris & Mitchell 1995, "Exploratory designs for computational experiments", eq. 3. Throws
-/// std::invalid_argument unless n >= 1 and d >= 1.
+/// sum over all pairs of distance^-20, for a number of swaps bounded so that n = 1000, d = 5 takes well under
+/// a second. Source: Morris & Mitchell 1995, "Exploratory designs for computational experiments", eq. 3.
+/// Throws std::invalid_argument unless n >= 1 and d >= 1.
 Eigen::MatrixXd maximin_latin_hypercube(Eigen::Index n, Eigen::Index d, std::uint64_t seed);
 
 /// `count` further points [count x d] for a design [n x d] that filled its own cells: each is the one of a
