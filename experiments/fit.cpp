@@ -22,10 +22,9 @@ using Eigen::VectorXd;
 
 constexpr double identified_below = 0.75;  // posterior over prior width
 
-/// Relative noise of a laboratory curve about the model: a percent, give or take a factor of two (DESIGN: one
-/// percent is what careful tests repeat to); up to 30 %, so that a model that cannot follow is not trusted
-/// too much.
-const surrogate::Prior tau_prior{surrogate::PriorKind::lognormal, -2.0, 0.3, 1e-3, 0.3};
+/// What the model cannot follow, as a standard deviation of every reading (strain): a few 1e-4 where it
+/// follows well, up to several percent where it does not.
+const surrogate::Prior misfit_prior{surrogate::PriorKind::lognormal, -3.5, 0.5, 2e-5, 0.05};
 
 class Likelihood {
   public:
@@ -41,18 +40,16 @@ class Likelihood {
     }
 
     Index parameters() const { return space_.dimension(); }
-    Index dimension() const { return parameters() + (observation_.sd ? 0 : 1); }
-    double tau(const VectorXd& theta) const {
-        return observation_.sd ? 0.0 : tau_prior.from_unit(theta[parameters()]);
-    }
+    Index dimension() const { return parameters() + 1; }
+    double misfit(const VectorXd& theta) const { return misfit_prior.from_unit(theta[parameters()]); }
 
-    VectorXd measurement_variance(double tau) const {
+    VectorXd measurement_variance(double misfit) const {
         VectorXd out(target_.size());
         for (Index k = 0; k < out.size(); ++k) {
             const double y = observation_.measured[k];
-            const double sd2 = observation_.sd ? std::pow((*observation_.sd)[k], 2)
-                                               : std::pow(observation_.floor, 2) + std::pow(tau * y, 2);
-            out[k] = sd2 * slope_[k] * slope_[k];
+            const double sd = observation_.sd ? (*observation_.sd)[k]
+                                              : std::hypot(observation_.floor, observation_.relative * y);
+            out[k] = (sd * sd + misfit * misfit) * slope_[k] * slope_[k];
         }
         return out;
     }
@@ -63,15 +60,14 @@ class Likelihood {
         if (emulator_part) *emulator_part = at.emulator_covariance;
         if (mean) *mean = at.mean;
         MatrixXd c = at.emulator_covariance + observation_.packing_share * at.noise_covariance;
-        c.diagonal() += measurement_variance(tau(theta));
+        c.diagonal() += measurement_variance(misfit(theta));
         return c;
     }
 
     double log_prior(const VectorXd& theta) const {
         double sum = 0;
         for (Index k = 0; k < parameters(); ++k) sum += space_.prior(k).log_density_unit(theta[k]);
-        if (!observation_.sd) sum += tau_prior.log_density_unit(theta[parameters()]);
-        return sum;
+        return sum + misfit_prior.log_density_unit(theta[parameters()]);
     }
 
     double log_posterior(const VectorXd& theta) const {
@@ -182,7 +178,7 @@ Fit fit(const TrainedEmulator& trained, const ParameterSpace& space, const Obser
     const auto negative = [&](const VectorXd& theta, VectorXd*) { return -likelihood.log_posterior(theta); };
     VectorXd start(n);
     for (Index k = 0; k < d; ++k) start[k] = space.prior(k).quantile_unit(0.5);
-    if (n > d) start[d] = tau_prior.quantile_unit(0.5);
+    start[d] = misfit_prior.quantile_unit(0.5);
 
     Fit out;
     const optimizers::Minimum global =
@@ -207,7 +203,7 @@ Fit fit(const TrainedEmulator& trained, const ParameterSpace& space, const Obser
         refine(likelihood, theta, value, out.local);
     }
     out.estimate = theta.head(d);
-    out.tau = likelihood.tau(theta);
+    out.misfit = likelihood.misfit(theta);
     out.log_posterior = value;
     out.covariance = likelihood.covariance(theta, &out.emulator_covariance);
     return out;

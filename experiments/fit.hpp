@@ -3,9 +3,9 @@
 // The comparison is made on the scale T(y) = ln(1 + y / scale) of every output, on which packings scatter
 // about equally whether strain is 0.001 or 0.1. With r = T(measured) - emulator mean at x, r is normal with
 // the covariance
-//   emulator(x) + packing(x) · particles / specimen_particles + diag(T'² (floor² + tau² measured²)),
-// where tau, the relative noise of the measurement and of what the model cannot follow, is estimated along
-// with the parameters unless the sample states measurement_sd.
+//   emulator(x) + packing(x) · packing_share + diag(T'² (measurement² + misfit²)),
+// where the measurement's sd is the sample's, or else 1 % of the reading with a floor of 5e-5, and misfit,
+// the sd of what the model cannot follow, is estimated along with the parameters.
 #pragma once
 
 #include <Eigen/Core>
@@ -31,7 +31,8 @@ struct OutputTransform {
 struct Observation {
     Eigen::VectorXd measured;           // [m] SI
     std::optional<Eigen::VectorXd> sd;  // [m] SI, where stated
-    double floor = 5e-5;                // resolution: De Pue et al. 2019 read strain to 5e-5
+    double relative = 0.01;             // where not stated: of the reading, and not below
+    double floor = 5e-5;                // the resolution: De Pue et al. 2019 read strain to 5e-5
     double packing_share = 1;           // particles of a run over those of the measured specimen
 };
 
@@ -48,10 +49,10 @@ TrainedEmulator train_emulator(const std::vector<RunRecord>& runs, const Paramet
                                const std::vector<Eigen::Index>& columns, const Settings& settings);
 
 struct Fit {
-    Eigen::VectorXd estimate;  // [d] most probable coordinates in the unit cube
-    double tau = 0;            // relative measurement noise at the estimate; 0 where stated by the sample
-    double log_posterior = 0;  // at the estimate, up to a constant
-    optimizers::Posterior posterior;      // draws [n x d(+1)]: coordinates, then tau's where it is estimated
+    Eigen::VectorXd estimate;             // [d] most probable coordinates in the unit cube
+    double misfit = 0;                    // sd of what the model cannot follow, at the estimate (SI)
+    double log_posterior = 0;             // at the estimate, up to a constant
+    optimizers::Posterior posterior;      // draws [n x d+1]: coordinates, then misfit's
     Eigen::MatrixXd covariance;           // [m x m] of the residuals at the estimate, transformed scale
     Eigen::MatrixXd emulator_covariance;  // [m x m] the emulator's part of it
     optimizers::Summary global, local;    // of the search for the estimate

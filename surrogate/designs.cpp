@@ -125,28 +125,6 @@ Eigen::MatrixXd maximin_latin_hypercube(Index n, Index d, std::uint64_t seed) {
     return (design.cells().array() + 0.5) / static_cast<double>(n);
 }
 
-Eigen::MatrixXd augment_design(const Eigen::MatrixXd& existing, Index count, std::uint64_t seed) {
-    require(count >= 1 && existing.rows() >= 1 && existing.cols() >= 1,
-            "a design is augmented by count >= 1 points and has at least one point, got count = " +
-                std::to_string(count) + " for a design of " + std::to_string(existing.rows()) + " x " +
-                std::to_string(existing.cols()));
-    const Index pool_size = std::clamp<Index>(16 * (existing.rows() + count), 1024, 16384);
-    const Eigen::MatrixXd pool = sobol_sequence(pool_size, existing.cols(), {.seed = seed});
-    ArrayXd nearest = ArrayXd::Constant(pool_size, std::numeric_limits<double>::infinity());
-    const auto add = [&](const Eigen::RowVectorXd& point) {
-        nearest = nearest.min((pool.rowwise() - point).rowwise().squaredNorm().array());
-    };
-    for (Index i = 0; i < existing.rows(); ++i) add(existing.row(i));
-    Eigen::MatrixXd chosen(count, existing.cols());
-    for (Index i = 0; i < count; ++i) {
-        Index best = 0;
-        nearest.maxCoeff(&best);
-        chosen.row(i) = pool.row(best);
-        add(chosen.row(i));
-    }
-    return chosen;
-}
-
 Eigen::MatrixXd sobol_sequence(Index n, Index d, const SobolOptions& options) {
     require(n >= 1 && d >= 1 && d <= 1000,
             "a Sobol sequence needs n >= 1 points and 1 <= d <= 1000 dimensions, got n = " +

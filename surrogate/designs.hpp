@@ -15,11 +15,6 @@ namespace loam::surrogate {
 /// Throws std::invalid_argument unless n >= 1 and d >= 1.
 Eigen::MatrixXd maximin_latin_hypercube(Eigen::Index n, Eigen::Index d, std::uint64_t seed);
 
-/// `count` further points [count x d] for a design [n x d] that filled its own cells: each is the one of a
-/// pool of Sobol points that lies farthest from all points so far. The old points stay; the union is no Latin
-/// hypercube. Throws std::invalid_argument unless count >= 1 and existing has at least one row and column.
-Eigen::MatrixXd augment_design(const Eigen::MatrixXd& existing, Eigen::Index count, std::uint64_t seed);
-
 struct SobolOptions {
     std::uint64_t seed = 0;
     std::uint32_t skip = 0;  ///< index of the first point; to continue a sequence, the points made before

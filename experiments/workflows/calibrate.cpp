@@ -69,7 +69,7 @@ int run_calibrate(const Settings& settings) {
     json result = common_result(settings, sample.name, campaign, warnings);
     result["parameters"] = parameters_result(parameters);
     result["tests"] = tests_result(campaign, calibration.simulated);
-    result["measurement"] = {{"relative_sd", calibration.fit.tau}, {"stated", calibration.fit.tau == 0}};
+    result["misfit_sd"] = calibration.fit.misfit;
     result["stopped_by"] = calibration.stopped_by;
     json document = calibration_document(campaign, sample, calibration, parameters, result);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();

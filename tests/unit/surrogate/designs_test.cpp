@@ -81,19 +81,6 @@ TEST(LatinHypercube, RepeatsUnderItsSeedAndDiffersUnderAnother) {
     EXPECT_NE(first, maximin_latin_hypercube(30, 4, 6));
 }
 
-TEST(AugmentDesign, FillsGapsAndKeepsItsDistance) {
-    // A design in the left half: the first new points must go to the right.
-    MatrixXd left = maximin_latin_hypercube(16, 2, 3);
-    left.col(0) *= 0.5;
-    const MatrixXd added = augment_design(left, 6, 1);
-    EXPECT_GT(added(0, 0), 0.8);
-    EXPECT_TRUE((added.array() > 0).all() && (added.array() < 1).all());
-    MatrixXd both(22, 2);
-    both << left, added;
-    EXPECT_GT(least_distance(both), 0.9 * std::min(least_distance(left), least_distance(added)));
-    EXPECT_GT(least_distance(added), 0.2);
-}
-
 TEST(Sobol, BeginsAsPublishedWhenNotScrambled) {
     // Sobol 1967; Bratley & Fox 1988. Gray-code order, point 0 included.
     MatrixXd expected(8, 2);
@@ -150,8 +137,6 @@ TEST(Sobol, IsContinuedBySkipping) {
 TEST(Designs, RefuseImpossibleSizes) {
     EXPECT_THROW(maximin_latin_hypercube(0, 2, 1), std::invalid_argument);
     EXPECT_THROW(maximin_latin_hypercube(5, 0, 1), std::invalid_argument);
-    EXPECT_THROW(augment_design(MatrixXd(0, 2), 1, 1), std::invalid_argument);
-    EXPECT_THROW(augment_design(MatrixXd::Zero(1, 2), 0, 1), std::invalid_argument);
     EXPECT_THROW(sobol_sequence(0, 2), std::invalid_argument);
     EXPECT_THROW(sobol_sequence(1, 1001), std::invalid_argument);
     EXPECT_THROW(sobol_sequence(2, 1, {.skip = 0x7FFFFFFF}), std::invalid_argument);
