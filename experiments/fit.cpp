@@ -58,10 +58,17 @@ class Likelihood {
                         VectorXd* mean = nullptr) const {
         const surrogate::CurvePrediction at = trained_.emulator.predict(theta.head(parameters()));
         if (emulator_part) *emulator_part = at.emulator_covariance;
-        if (mean) *mean = at.mean;
+        if (mean) *mean = at.mean + large_specimen(at.noise_covariance);
         MatrixXd c = at.emulator_covariance + observation_.packing_share * at.noise_covariance;
         c.diagonal() += measurement_variance(misfit(theta));
         return c;
+    }
+
+    /// The emulator gives the mean of T over packings. A specimen of more grains averages the curve itself
+    /// over as many packings, whose T is larger by half the variance that has been averaged out (lognormal
+    /// scatter).
+    VectorXd large_specimen(const MatrixXd& packing_noise) const {
+        return 0.5 * (1 - std::min(1.0, observation_.packing_share)) * packing_noise.diagonal();
     }
 
     double log_prior(const VectorXd& theta) const {
@@ -84,7 +91,8 @@ class Likelihood {
                    MatrixXd* jacobian) const {
         const Index m = target_.size(), d = parameters();
         MatrixXd slope;
-        const VectorXd mean = trained_.emulator.predict_mean(x, jacobian ? &slope : nullptr);
+        const VectorXd mean = trained_.emulator.predict_mean(x, jacobian ? &slope : nullptr) +
+                              large_specimen(trained_.emulator.noise().covariance(x));
         out.resize(m + d);
         out.head(m) = factor.matrixL().solve(target_ - mean);
         if (jacobian) {
