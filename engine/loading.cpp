@@ -15,14 +15,26 @@ double inertial_number(double rate, double mean_stress, double mean_diameter, do
     return std::abs(rate) * mean_diameter * std::sqrt(grain_density / std::max(mean_stress, 1e-300));
 }
 
+StressServo::StressServo(const Eigen::Vector3d& target, const ServoOptions& options)
+    : target_(target), options_(options) {
+    int axes = 0;
+    for (const double t : target) {
+        if (std::isnan(t)) continue;
+        scale_ += t;
+        ++axes;
+    }
+    if (axes == 0) throw std::invalid_argument("stress servo: at least one axis needs a target stress (Pa)");
+    scale_ /= axes;
+}
+
 const Measurement& StressServo::advance(Simulation& simulation) {
     const Measurement& now = simulation.measured();
-    const double scale = target_.mean();
-    const double limit = rate_for_inertial_number(options_.inertial_number, std::max(now.mean_stress, scale),
+    const double limit = rate_for_inertial_number(options_.inertial_number, std::max(now.mean_stress, scale_),
                                                   simulation.mean_diameter(), simulation.grain_density());
-    const double stiffness = std::max(now.affine_stiffness, scale);  // a floor keeps a loose cloud moving
+    const double stiffness = std::max(now.affine_stiffness, scale_);  // a floor keeps a loose cloud moving
     Eigen::Matrix3d gradient = Eigen::Matrix3d::Zero();
     for (int k = 0; k < 3; ++k) {
+        if (std::isnan(target_[k])) continue;
         const double missing = target_[k] - now.stress(k, k), before = missing_before_[k];
         if (missing * before <= 0)
             ease_[k] = std::max(1.0, 0.25 * ease_[k]);  // passed the target
@@ -39,17 +51,24 @@ const Measurement& StressServo::advance(Simulation& simulation) {
     return simulation.advance(options_.measure_every);
 }
 
-ServoSummary consolidate(Simulation& simulation, double stress, const ServoOptions& options,
-                         const std::function<bool()>& cancelled) {
-    const Eigen::Vector3d target = Eigen::Vector3d::Constant(stress);
+double StressServo::stress_error(const Measurement& now) const {
+    double largest = 0;
+    for (int k = 0; k < 3; ++k)
+        if (!std::isnan(target_[k])) largest = std::max(largest, std::abs(now.stress(k, k) - target_[k]));
+    return largest / scale_;
+}
+
+ServoSummary hold_stress(Simulation& simulation, const Eigen::Vector3d& target, const ServoOptions& options,
+                         const std::function<bool(const Measurement&)>& each) {
     const std::uint64_t start = simulation.steps();
     ServoSummary summary;
     StressServo servo(target, options);
+    simulation.set_velocity_gradient(Eigen::Matrix3d::Zero());
     simulation.advance(1);
     for (int good = 0; simulation.steps() - start < options.max_steps;) {
         const Measurement& now = servo.advance(simulation);
-        if (cancelled && cancelled()) throw std::runtime_error("cancelled");
-        summary.stress_error = (now.stress.diagonal() - target).cwiseAbs().maxCoeff() / stress;
+        if (each && !each(now)) break;
+        summary.stress_error = servo.stress_error(now);
         summary.unbalanced_ratio = now.unbalanced_ratio;
         const bool at_rest = summary.stress_error < options.stress_tolerance &&
                              summary.unbalanced_ratio < options.unbalanced_ratio;
@@ -62,6 +81,14 @@ ServoSummary consolidate(Simulation& simulation, double stress, const ServoOptio
     simulation.set_velocity_gradient(Eigen::Matrix3d::Zero());
     summary.steps = simulation.steps() - start;
     return summary;
+}
+
+ServoSummary consolidate(Simulation& simulation, double stress, const ServoOptions& options,
+                         const std::function<bool()>& cancelled) {
+    return hold_stress(simulation, Eigen::Vector3d::Constant(stress), options, [&](const Measurement&) {
+        if (cancelled && cancelled()) throw std::runtime_error("cancelled");
+        return true;
+    });
 }
 
 }  // namespace loam::engine

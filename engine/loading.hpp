@@ -33,26 +33,34 @@ struct ServoSummary {
     double unbalanced_ratio = 0;
 };
 
-/// Steers the velocity gradient so that the three normal stresses approach a target, with shear rates zero.
-/// The strain rate of an axis is what it misses over the affine stiffness and the relaxation time; because
-/// that stiffness is an upper estimate, nearly nil while a packing yields, the rate is eased where the stress
-/// does not follow.
+/// Steers the velocity gradient so that the normal stresses approach a target, with shear rates zero; an axis
+/// whose target is NaN keeps its length. The strain rate of an axis is what it misses over the affine
+/// stiffness and the relaxation time; because that stiffness is an upper estimate, nearly nil while a packing
+/// yields, the rate is eased where the stress does not follow.
 class StressServo {
   public:
-    StressServo(const Eigen::Vector3d& target, const ServoOptions& options)
-        : target_(target), options_(options) {}
+    /// `target` [3] (Pa) has at least one number. Throws std::invalid_argument.
+    StressServo(const Eigen::Vector3d& target, const ServoOptions& options);
 
     /// One stretch of options.measure_every steps; returns its measurement.
     const Measurement& advance(Simulation& simulation);
+    /// Largest relative error of an axis that has a target.
+    double stress_error(const Measurement& now) const;
 
   private:
     Eigen::Vector3d target_;
+    double scale_ = 0;  // mean of the targets (Pa)
     ServoOptions options_;
     Eigen::Vector3d ease_ = Eigen::Vector3d::Ones(), missing_before_ = Eigen::Vector3d::Zero();
 };
 
-/// Brings the packing to the isotropic stress (Pa) and to rest. `cancelled` is polled; a true answer throws
-/// std::runtime_error. Not converging within max_steps is reported, not thrown.
+/// Brings the packing to these normal stresses (Pa; NaN: the axis keeps its length) and to rest. `each` is
+/// called after every stretch with its measurement; a false answer ends it. Not converging within max_steps is
+/// reported, not thrown.
+ServoSummary hold_stress(Simulation& simulation, const Eigen::Vector3d& target, const ServoOptions& options,
+                         const std::function<bool(const Measurement&)>& each = {});
+
+/// The same for an isotropic stress (Pa). `cancelled` is polled; a true answer throws std::runtime_error.
 ServoSummary consolidate(Simulation& simulation, double stress, const ServoOptions& options,
                          const std::function<bool()>& cancelled = {});
 

@@ -29,8 +29,9 @@ constexpr std::uint64_t training_packings = 1, confirmation_packings = 2, design
 /// Training shares a pool of packings, large enough that the pool's own mean is no noticeable error.
 constexpr std::uint64_t packing_pool = 128;
 
-constexpr double agreement = 0.99;        // quantile of the test of emulator against direct runs
-constexpr double tolerable_share = 0.25;  // of the residuals' variance that the emulator may cause
+constexpr double agreement = 0.99;               // quantile of the test of emulator against direct runs
+constexpr double tolerable_share = 0.25;         // of the residuals' variance that the emulator may cause
+constexpr double tolerable_difference = 2.5e-3;  // m/m, of emulator and direct runs
 
 RunSpec make_spec(const Campaign& campaign, std::uint64_t index, const char* purpose,
                   const VectorXd& parameters) {
@@ -80,18 +81,24 @@ CalibrationRound compare(const Calibration& c, const TrainedEmulator& trained) {
     }
     direct /= static_cast<double>(runs);
     const surrogate::CurvePrediction at = trained.emulator.predict(c.fit.estimate);
+    double squares = 0;
+    for (Index k = 0; k < m; ++k) {
+        const double mean = trained.transform.inverse(at.mean[k] + 0.5 * at.noise_covariance(k, k));
+        squares += std::pow(c.simulated[c.columns[static_cast<std::size_t>(k)]] - mean, 2);
+    }
     const MatrixXd spread = at.emulator_covariance + at.noise_covariance / static_cast<double>(runs);
     CalibrationRound round;
     round.runs = trained.runs;
+    round.difference = std::sqrt(squares / static_cast<double>(m));
     const VectorXd difference = direct - at.mean;
     round.disagreement = std::sqrt(std::max(0.0, difference.dot(spread.ldlt().solve(difference))));
     round.limit =
         std::sqrt(boost::math::quantile(boost::math::chi_squared(static_cast<double>(m)), agreement));
     round.emulator_share = c.fit.emulator_covariance.trace() / c.fit.covariance.trace();
     round.text = fmt::format(
-        "{} runs: direct runs differ from the emulator by {:.2f} (limit {:.2f}); the emulator makes "
-        "{:.0f} % of the residuals' variance",
-        round.runs, round.disagreement, round.limit, 100 * round.emulator_share);
+        "{} runs: direct runs differ from the emulator by {:.1e} m/m, {:.2f} in units of their noise (limit "
+        "{:.2f}); the emulator makes {:.0f} % of the residuals' variance",
+        round.runs, round.difference, round.disagreement, round.limit, 100 * round.emulator_share);
     return round;
 }
 
@@ -204,9 +211,10 @@ Calibration calibrate(Campaign& campaign) {
         throw std::runtime_error(
             "every parameter is fixed: nothing is left to fit; loam simulate runs the tests");
     std::vector<RunRecord> runs = training_runs(campaign);
+    const OutputTransform transform = transform_for(observation);
     const int last = campaign.settings().calibration.max_rounds;
     for (int round = 0; round <= last; ++round) {
-        c.trained.emplace(train_emulator(runs, campaign.space(), c.columns, campaign.settings()));
+        c.trained.emplace(train_emulator(runs, campaign.space(), c.columns, transform, campaign.settings()));
         c.fit = fit(*c.trained, campaign.space(), observation, campaign.settings());
         c.confirmation = direct_runs(campaign, campaign.space().physical(c.fit.estimate), round,
                                      campaign.settings().calibration.confirmation_packings);
@@ -214,7 +222,8 @@ Calibration calibrate(Campaign& campaign) {
         c.replicate_sd = sd_outputs(c.confirmation);
         c.rounds.push_back(compare(c, *c.trained));
         const CalibrationRound& now = c.rounds.back();
-        if (now.disagreement <= now.limit && now.emulator_share <= tolerable_share) {
+        if (now.disagreement <= now.limit && now.emulator_share <= tolerable_share &&
+            now.difference <= tolerable_difference) {
             c.stopped_by = "the emulator agrees with direct runs and is a small part of the uncertainty";
             break;
         }
@@ -226,6 +235,7 @@ Calibration calibrate(Campaign& campaign) {
         }
         for (RunRecord& run : campaign.run("added runs", added_runs(campaign, c.fit, round)))
             runs.push_back(std::move(run));
+        runs.insert(runs.end(), c.confirmation.begin(), c.confirmation.end());
     }
     warn_of_search(campaign, c);
     return c;

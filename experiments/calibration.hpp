@@ -1,6 +1,7 @@
 // The calibration loop: design -> runs -> emulator -> fit -> direct runs at the estimate on fresh packings;
-// where emulator and direct runs disagree by more than their noise, or the emulator is still the largest
-// uncertainty, runs are added where the posterior lies and the loop goes round.
+// where emulator and direct runs disagree by more than their noise or by more than a laboratory would notice,
+// or the emulator is a large part of the uncertainty, runs are added where the posterior lies and the loop
+// goes round. The direct runs of a round that is over train the next emulator; the last round's never do.
 #pragma once
 
 #include <optional>
@@ -17,6 +18,7 @@ struct CalibrationRound {
     double disagreement = 0;    // Mahalanobis distance of the direct runs' mean from the emulator
     double limit = 0;           // of that distance: 99 % quantile if the emulator is right
     double emulator_share = 0;  // of the variance of the residuals
+    double difference = 0;      // rms of the direct runs' mean curve minus the emulator's, SI
     std::string text;
 };
 

@@ -149,15 +149,21 @@ double OutputTransform::derivative(double y) const {
     return 1 / (scale + std::max(y, -0.9 * scale));
 }
 
+OutputTransform transform_for(const Observation& observation) {
+    OutputTransform transform;
+    while (16 * transform.scale <= observation.measured.maxCoeff()) transform.scale *= 4;
+    return transform;
+}
+
 TrainedEmulator train_emulator(const std::vector<RunRecord>& runs, const ParameterSpace& space,
-                               const std::vector<Index>& columns, const Settings& settings) {
+                               const std::vector<Index>& columns, const OutputTransform& transform,
+                               const Settings& settings) {
     const Index d = space.dimension(), m = static_cast<Index>(columns.size());
     const Index n = std::ranges::count_if(runs, [](const RunRecord& r) { return r.ok; });
     if (n < fewest_training_runs(static_cast<int>(d)))
         throw std::runtime_error(fmt::format(
             "only {} of {} runs succeeded, too few to train an emulator; the reasons stand in ensemble.h5", n,
             runs.size()));
-    const OutputTransform transform;
     MatrixXd inputs(n, d), outputs(n, m);
     Index row = 0;
     for (const RunRecord& run : runs) {

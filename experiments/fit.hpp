@@ -1,8 +1,8 @@
 // Fits the parameters to measured curves through an emulator: likelihood, most probable set, posterior.
 //
-// The comparison is made on the scale T(y) = ln(1 + y / scale) of every output, on which packings scatter
-// about equally whether strain is 0.001 or 0.1. With r = T(measured) - emulator mean at x, r is normal with
-// the covariance
+// The comparison is made on the scale T(y) = ln(1 + y / s) of every output: about linear below s, so that the
+// mean over packings, some of which collapse early, stays the mean of strain, and logarithmic above. With r =
+// T(measured) - emulator mean at x, r is normal with the covariance
 //   emulator(x) + packing(x) · packing_share + diag(T'² (measurement² + misfit²)),
 // where the measurement's sd is the sample's, or else 1 % of the reading with a floor of 5e-5, and misfit,
 // the sd of what the model cannot follow, is estimated along with the parameters.
@@ -19,7 +19,8 @@
 
 namespace loam::experiments {
 
-/// The scale on which curves are emulated and compared; `scale` in the output's unit.
+/// The scale on which curves are emulated and compared; `scale` in the output's unit. Soils differ by a
+/// factor of a hundred in strain, so each has a scale that follows its own curve (transform_for).
 struct OutputTransform {
     double scale = 1e-3;
     double forward(double y) const;  // values below -0.9 scale are held there
@@ -36,6 +37,10 @@ struct Observation {
     double packing_share = 1;           // particles of a run over those of the measured specimen
 };
 
+/// The largest of 1e-3, 4e-3, 1.6e-2 … that is not above a quarter of the largest measured value: few
+/// different scales, so that samples of one data set can share emulators.
+OutputTransform transform_for(const Observation& observation);
+
 /// The emulator of a campaign's fitted outputs and what it was trained on.
 struct TrainedEmulator {
     surrogate::CurveEmulator emulator;
@@ -46,7 +51,8 @@ struct TrainedEmulator {
 /// Trains on the runs that succeeded: outputs `columns` of each, transformed. Throws std::runtime_error when
 /// too few did.
 TrainedEmulator train_emulator(const std::vector<RunRecord>& runs, const ParameterSpace& space,
-                               const std::vector<Eigen::Index>& columns, const Settings& settings);
+                               const std::vector<Eigen::Index>& columns, const OutputTransform& transform,
+                               const Settings& settings);
 
 struct Fit {
     Eigen::VectorXd estimate;             // [d] most probable coordinates in the unit cube

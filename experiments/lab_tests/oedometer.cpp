@@ -1,5 +1,7 @@
 #include "experiments/lab_tests/oedometer.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,6 +12,8 @@ namespace {
 
 using engine::Measurement;
 using engine::Simulation;
+
+constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
 /// Axial loading in stretches of a few steps, with the rate chosen anew for each.
 class Loading {
@@ -26,8 +30,9 @@ class Loading {
 
     double strain() const { return 1.0 - simulation_.cell()(2, 2) / seated_height_; }
 
-    /// Loads (or unloads) until the axial stress has passed `target`; returns the strain at the crossing, or
-    /// NaN.
+    /// Loads (or unloads) until the axial stress has passed `target`, and holds it there; at a given strain
+    /// rate nothing is held, and the strain is that at the crossing. NaN, with the reason in the result,
+    /// where it is not reached.
     double to(double target) {
         double before_stress = axial(), before_strain = strain();
         const double direction = target >= before_stress ? 1.0 : -1.0;
@@ -35,8 +40,9 @@ class Loading {
             before_stress = axial();
             before_strain = strain();
             stretch(direction, target);
-            if (strain() > options_.largest_strain) return std::numeric_limits<double>::quiet_NaN();
+            if (strain() > options_.largest_strain) return too_far(target);
         }
+        if (options_.strain_rate <= 0) return hold(target);
         const double now = axial();
         if (now == before_stress) return strain();
         // The crossing lies between two measurements: where on the way is linear in the stress.
@@ -47,6 +53,30 @@ class Loading {
 
   private:
     double axial() const { return simulation_.measured().stress(2, 2); }
+
+    /// Holds the axial stress until the packing is at rest; returns the strain there, or NaN.
+    double hold(double target) {
+        const auto held = engine::hold_stress(simulation_, {none, none, target}, options_.hold,
+                                              [&](const Measurement& now) {
+                                                  look(now, simulation_.velocity_gradient()(2, 2));
+                                                  return strain() <= options_.largest_strain;
+                                              });
+        ease_ = 1;
+        if (held.converged) return strain();
+        return strain() > options_.largest_strain ? too_far(target)
+                                                  : failed(fmt::format("no rest at {} kPa", target / 1000));
+    }
+
+    double too_far(double target) {
+        return failed(
+            fmt::format("axial strain passed {} before {} kPa", options_.largest_strain, target / 1000));
+    }
+
+    double failed(const std::string& reason) {
+        result_.complete = false;
+        result_.reason = reason;
+        return none;
+    }
 
     double rate(double target) const {
         if (options_.strain_rate > 0) return options_.strain_rate;
@@ -82,6 +112,10 @@ class Loading {
         const double stress_before = axial();
         const Measurement& now = simulation_.advance(options_.measure_every);
         follow(stress_before);
+        look(now, strain_rate);
+    }
+
+    void look(const Measurement& now, double strain_rate) {
         if (cancelled_ && cancelled_()) throw std::runtime_error("cancelled");
         result_.largest_inertial_number = std::max(
             result_.largest_inertial_number,
@@ -125,7 +159,7 @@ OedometerResult run_oedometer(Simulation& simulation, const engine::LinearCohesi
     options.validate();
     OedometerResult result;
     const auto stages = static_cast<Eigen::Index>(options.stages.size());
-    result.strain = Eigen::VectorXd::Constant(stages, std::numeric_limits<double>::quiet_NaN());
+    result.strain = Eigen::VectorXd::Constant(stages, none);
     if (options.seating_stiffness > 0) {
         engine::LinearCohesive softer = law;
         softer.young_modulus = options.seating_stiffness * options.isotropic_stress;
@@ -145,19 +179,15 @@ OedometerResult run_oedometer(Simulation& simulation, const engine::LinearCohesi
     result.seating_steps = simulation.steps();
     Loading loading(simulation, options, result, cancelled);
     loading.mark_seated();
+    result.complete = true;
     if (options.seating_stress > options.isotropic_stress * 1.0001) {
         loading.to(options.seating_stress);
         loading.mark_seated();
     }
-    result.complete = true;
     for (Eigen::Index k = 0; k < stages && result.complete; ++k) {
         // At the seating stress itself strain is zero by definition.
         const bool at_seat = k == 0 && options.stages[0] <= options.seating_stress * 1.0001;
         result.strain[k] = at_seat ? 0.0 : loading.to(options.stages[static_cast<std::size_t>(k)]);
-        result.complete = std::isfinite(result.strain[k]);
-        if (!result.complete)
-            result.reason = "axial strain passed " + std::to_string(options.largest_strain) + " before " +
-                            std::to_string(options.stages[static_cast<std::size_t>(k)] / 1000) + " kPa";
     }
     result.mean_unbalanced_ratio = loading.mean_unbalanced();
     result.energy_error = simulation.energy().error();

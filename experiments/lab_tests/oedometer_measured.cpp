@@ -41,7 +41,7 @@ OedometerOptions oedometer_options(const Settings& settings, const lab_data::Tes
     options.seating_stress = lab_data::seating_stress(test);
     options.isotropic_stress =
         std::min(1000 * settings.specimen.preparation_stress_kPa, options.seating_stress);
-    options.inertial_number = settings.engine.inertial_number;
+    options.inertial_number = options.hold.inertial_number = settings.engine.inertial_number;
     if (settings.packing.empty()) options.seating_stiffness = 2e4;
     for (const std::size_t k : oedometer_readings(test))
         options.stages.push_back(test.column("axial_stress")[k]);

@@ -51,8 +51,8 @@ struct CalibrationSettings {
     std::string kernel = "matern52";
     std::string global_optimizer = "crs2";
     int replicates = 10;            // further packings at chosen points, from which packing noise is learnt
-    int confirmation_packings = 8;  // fresh packings for the direct runs at the estimate
-    int max_rounds = 3;             // rounds of runs added where emulator and direct runs disagree
+    int confirmation_packings = 12;  // fresh packings for the direct runs at the estimate
+    int max_rounds = 4;             // rounds of runs added where emulator and direct runs disagree
     int runs_per_round = 24;
     int posterior_draws = 4000;
     int specimen_particles = 0;      // in the measured specimen, which scatters like such a packing; 0: countless in a

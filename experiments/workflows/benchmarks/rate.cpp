@@ -25,7 +25,7 @@ Eigen::VectorXd run_at(const engine::Packing& packing, const engine::LinearCohes
     OedometerOptions options;
     options.stages = test.column("axial_stress");
     options.seating_stiffness = 2e4;
-    options.inertial_number = factor * settings.engine.inertial_number;
+    options.inertial_number = options.hold.inertial_number = factor * settings.engine.inertial_number;
     options.highest_inertial_number *= factor;
     options.strain_per_step *= factor;
     options.least_strain_per_step *= factor;
