@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 
+#include "engine/neighbours.hpp"
 #include "engine/packing.hpp"
 #include "engine/state.hpp"
 
@@ -110,6 +111,8 @@ class Simulation {
     void set_time_step();
     void step(bool measure);
     void update_neighbours();
+    double drift_since_build() const;
+    void rebuild_neighbours();
     void contact_forces(ContactSums* sums);
     void integrate(IntegrateSums& sums, bool measure);
     void deform_cell();
@@ -119,10 +122,13 @@ class Simulation {
     SimulationOptions options_;
     const KernelTable& kernel_;
     std::size_t count_ = 0;
+    std::vector<std::int32_t> outside_;  // the caller's number of the particle kept at each place
     AlignedVector<ParticleRow> particles_;
     AlignedVector<SpinRow> spins_;
     AlignedVector<ForceRow> forces_;
     PairList pairs_;
+    RebuildBuffers rebuild_buffers_;
+    std::size_t reachable_ = 0;  // pairs from the first that may have met since the last rebuild
     Eigen::Matrix3d cell_, gradient_ = Eigen::Matrix3d::Zero();
     double dt_ = 0, solid_volume_ = 0, mean_diameter_ = 0, smallest_diameter_ = 0, largest_diameter_ = 0;
     std::uint64_t steps_ = 0, rebuilds_ = 0;

@@ -2,6 +2,7 @@
 // A particle row is what a contact needs of a particle, so that eight contacts cost sixteen aligned loads.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -50,7 +51,15 @@ inline constexpr double bond_none = 0.0;      // apart
 inline constexpr double bond_broken = 1.0;    // touching, cohesion lost
 inline constexpr double bond_cohesive = 2.0;  // touching, cohesion active (also where the cohesion is zero)
 
-/// The neighbour pairs, padded to a multiple of eight with a pair of dummies that never touch.
+/// Sections of the pair list: pairs that touch, then pairs by the size of their gap when the list was made.
+inline constexpr int gap_sections = 17;
+
+/// The section of a pair without a bond from d²/(R_i + R_j)².
+std::int32_t gap_section(double closeness, double skin);
+
+/// The neighbour pairs, padded to a multiple of eight with a pair of dummies that never touch. They are
+/// ordered by sections, so that pairs which cannot have met yet are left out and those that touch fill whole
+/// groups.
 struct PairList {
     std::size_t count = 0;                   // without padding
     AlignedVector<std::int32_t> i, j;        // particles, i < j
@@ -63,6 +72,12 @@ struct PairList {
 
     std::size_t padded() const { return i.size(); }
     void resize_padded(std::size_t n);
+
+    std::array<std::size_t, gap_sections> section_end{};  // one past the last pair
+    std::array<double, gap_sections> section_gap{};       // smallest gap over R_i + R_j
+
+    /// How many pairs, from the first, can touch after a relative motion of up to motion·(R_i + R_j).
+    std::size_t within_reach(double motion) const;
 };
 
 /// Image index of the copy shifted by (a, b, c) cells, each in -1..1, and back.

@@ -48,16 +48,16 @@ struct ContactSums {
 
 struct IntegrateArguments {
     ParticleRow* particles;
-    SpinRow* spins;    // nullptr with blocked rotation
-    ForceRow* forces;  // set to zero again
-    std::size_t count;
+    SpinRow* spins;     // nullptr with blocked rotation
+    ForceRow* forces;   // set to zero again
+    std::size_t count;  // without the dummies, of which an odd count takes one along
     double velocity_gradient[9];
     double dt;
     double damping;  // Cundall's local damping
 };
 
 struct IntegrateSums {
-    double max_speed_squared;  // of the velocity relative to the mean field
+    double max_speed_squared;  // bound on it, for velocities relative to the mean field
     double force_norm;         // sum of |F|, only when measured
     double kinetic_energy;     // of the same velocities, only when measured
     double dissipation;        // J taken out by damping in this step, only when measured

@@ -22,6 +22,12 @@ LOAM_INLINE v8 load8(const double* p) {
 LOAM_INLINE void store8(double* p, v8 a) {
     *reinterpret_cast<v8*>(p) = a;
 }
+LOAM_INLINE v4 load4(const double* p) {
+    return *reinterpret_cast<const v4*>(p);
+}
+LOAM_INLINE void store4(double* p, v4 a) {
+    *reinterpret_cast<v4*>(p) = a;
+}
 LOAM_INLINE v8 splat(double a) {
     return v8{a, a, a, a, a, a, a, a};
 }
@@ -60,6 +66,35 @@ LOAM_INLINE v8 inverse_sqrt(v8 a) {
 
 LOAM_INLINE double sum(v8 a) {
     return ((a[0] + a[1]) + (a[2] + a[3])) + ((a[4] + a[5]) + (a[6] + a[7]));
+}
+
+LOAM_INLINE v8 join(v4 a, v4 b) {
+    return __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7);
+}
+LOAM_INLINE v4 lower_half(v8 a) {
+    return __builtin_shufflevector(a, a, 0, 1, 2, 3);
+}
+LOAM_INLINE v4 upper_half(v8 a) {
+    return __builtin_shufflevector(a, a, 4, 5, 6, 7);
+}
+LOAM_INLINE v8 lower_halves(v8 a, v8 b) {
+    return __builtin_shufflevector(a, b, 0, 1, 2, 3, 8, 9, 10, 11);
+}
+LOAM_INLINE v8 upper_halves(v8 a, v8 b) {
+    return __builtin_shufflevector(a, b, 4, 5, 6, 7, 12, 13, 14, 15);
+}
+/// Lane K of each half in all lanes of that half.
+template <int K>
+LOAM_INLINE v8 spread(v8 a) {
+    return __builtin_shufflevector(a, a, K, K, K, K, K + 4, K + 4, K + 4, K + 4);
+}
+/// Zero in the last lane of each half.
+LOAM_INLINE v8 without_fourth(v8 a) {
+    return __builtin_shufflevector(a, splat(0.0), 0, 1, 2, 8, 4, 5, 6, 8);
+}
+/// Length of the three components that start at lane k.
+LOAM_INLINE double norm_of(v8 a, int k) {
+    return __builtin_sqrt(a[k] * a[k] + a[k + 1] * a[k + 1] + a[k + 2] * a[k + 2]);
 }
 
 /// Transposes eight rows in place: r[k][l] becomes r[l][k]. Unused results cost nothing once inlined.
