@@ -20,6 +20,10 @@ Vector3i image_vector(std::int32_t index) {
     return {index / 9 - 1, (index / 3) % 3 - 1, index % 3 - 1};
 }
 
+std::uint32_t row_offset(std::int32_t particle) {
+    return static_cast<std::uint32_t>(particle) * static_cast<std::uint32_t>(row_bytes);
+}
+
 /// One number for an image; those of old pairs may reach ±3 after wrapping.
 std::int32_t image_code(const Vector3i& n) {
     return (n.x() + 3) * 64 + (n.y() + 3) * 8 + (n.z() + 3);
@@ -92,15 +96,20 @@ void join_bonds(RebuildBuffers& b, std::size_t& pairs) {
         }
 }
 
-/// The order of the new list: by section, and within every block of 64 such that the eight pairs of a group,
-/// which add their forces one after the other, stood apart before: they seldom share a particle.
+/// The order of the new list: by section, pairs across the boundary first, and within every block of 64 such
+/// that the eight pairs of a group, which add their forces one after the other, stood apart before: they
+/// seldom share a particle.
 void order_pairs(RebuildBuffers& b, std::size_t pairs, PairList& out) {
-    std::array<std::size_t, gap_sections + 1> start{};
-    for (std::size_t k = 0; k < pairs; ++k) ++start[static_cast<std::size_t>(b.near[k].section) + 1];
-    for (std::size_t s = 1; s <= gap_sections; ++s) out.section_end[s - 1] = start[s] += start[s - 1];
+    std::array<std::size_t, 2 * gap_sections + 1> start{};
+    const auto rank = [&](std::size_t k) {
+        return 2 * static_cast<std::size_t>(b.near[k].section) + (b.near[k].image == image_home ? 1u : 0u);
+    };
+    for (std::size_t k = 0; k < pairs; ++k) ++start[rank(k) + 1];
+    for (std::size_t s = 1; s < start.size(); ++s) start[s] += start[s - 1];
+    for (std::size_t s = 0; s < gap_sections; ++s) out.section_end[s] = start[2 * s + 2];
     b.order.resize(pairs);
     for (std::size_t k = 0; k < pairs; ++k) {
-        const std::size_t place = start[static_cast<std::size_t>(b.near[k].section)]++;
+        const std::size_t place = start[rank(k)]++;
         const std::size_t base = place / block * block, within = place % block;
         const bool whole = base + block <= pairs;
         b.order[whole ? base + within % 8 * 8 + within / 8 : place] = k;
@@ -114,6 +123,8 @@ void fill_pairs(const RebuildBuffers& b, const AlignedVector<ParticleRow>& parti
         const NearPair& pair = b.near[b.order[k]];
         out.i[k] = pair.i;
         out.j[k] = pair.j;
+        out.row_i[k] = row_offset(pair.i);
+        out.row_j[k] = row_offset(pair.j);
         out.image[k] = pair.image;
         const double r = particles[static_cast<std::size_t>(pair.i)].radius;
         const double s = particles[static_cast<std::size_t>(pair.j)].radius;
@@ -127,6 +138,8 @@ void fill_pairs(const RebuildBuffers& b, const AlignedVector<ParticleRow>& parti
     for (std::size_t k = out.count; k < out.padded(); ++k) {  // the two dummies, a metre apart, never touch
         out.i[k] = static_cast<std::int32_t>(count);
         out.j[k] = static_cast<std::int32_t>(count + 1);
+        out.row_i[k] = row_offset(out.i[k]);
+        out.row_j[k] = row_offset(out.j[k]);
         out.image[k] = image_home;
         out.radius_sum[k] = 1e-3;  // what is divided by must not be zero
         out.stiffness_length[k] = 1.0;
@@ -141,6 +154,7 @@ void PairList::resize_padded(std::size_t n) {
     count = n;
     const std::size_t padded_size = (n + 7) / 8 * 8;
     for (auto* a : {&i, &j, &image}) a->resize(padded_size);
+    for (auto* a : {&row_i, &row_j}) a->resize(padded_size);
     for (auto* a : {&radius_sum, &stiffness_length, &area, &shear[0], &shear[1], &shear[2], &bond})
         a->resize(padded_size);
 }

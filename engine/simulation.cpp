@@ -113,8 +113,11 @@ double Simulation::volume() const {
 }
 
 const Measurement& Simulation::advance(int steps) {
-    for (int k = 1; k < steps; ++k) step(options_.energy_balance);
-    step(true);
+    for (int k = 1; k < steps; ++k) {
+        const bool first = steps_ == 0;  // the energy balance starts from what is stored then
+        step(!options_.energy_balance ? Measure::nothing : first ? Measure::all : Measure::energies);
+    }
+    step(Measure::all);
     const double speed = measured_.kinetic_energy;
     if (!std::isfinite(measured_.mean_stress) || !std::isfinite(speed))
         throw std::runtime_error(
@@ -125,13 +128,14 @@ const Measurement& Simulation::advance(int steps) {
     return measured_;
 }
 
-void Simulation::step(bool measure) {
+void Simulation::step(Measure measure) {
     ContactSums contacts{};
     IntegrateSums motion{};
     update_neighbours();
-    contact_forces(measure ? &contacts : nullptr);
+    contact_forces(contacts, measure);
     integrate(motion, measure);
-    if (measure) record(contacts, motion);
+    if (measure == Measure::all) record(contacts, motion);
+    if (options_.energy_balance) balance_energy(contacts, motion, measure);
     deform_cell();
     drift_since_check_ += dt_ * (2 * std::sqrt(motion.max_speed_squared) / smallest_diameter_ +
                                  gradient_.norm() * (1 + options_.neighbour_skin));
@@ -178,7 +182,7 @@ void Simulation::rebuild_neighbours() {
     ++rebuilds_;
 }
 
-void Simulation::contact_forces(ContactSums* sums) {
+void Simulation::contact_forces(ContactSums& sums, Measure measure) {
     alignas(64) double shifts[image_count][8] = {};
     for (int n = 0; n < image_count; ++n) {
         const Eigen::Vector3d s = cell_ * Eigen::Vector3d(n / 9 - 1, (n / 3) % 3 - 1, n % 3 - 1);
@@ -190,8 +194,8 @@ void Simulation::contact_forces(ContactSums* sums) {
     a.forces = forces_.data();
     a.shifts = &shifts[0][0];
     a.padded_pairs = reachable_;
-    a.i = pairs_.i.data();
-    a.j = pairs_.j.data();
+    a.row_i = pairs_.row_i.data();
+    a.row_j = pairs_.row_j.data();
     a.image = pairs_.image.data();
     a.radius_sum = pairs_.radius_sum.data();
     a.stiffness_length = pairs_.stiffness_length.data();
@@ -209,19 +213,10 @@ void Simulation::contact_forces(ContactSums* sums) {
     a.shear_cohesion = law_.shear_cohesion;
     a.tension_range = law_.interaction_range - 1;
     a.fragile = law_.fragile;
-    if (options_.free_rotation) {
-        if (sums)
-            kernel_.contacts_rotation_measured(a, *sums);
-        else
-            kernel_.contacts_rotation(a);
-    } else if (sums) {
-        kernel_.contacts_measured(a, *sums);
-    } else {
-        kernel_.contacts(a);
-    }
+    kernel_.contacts[options_.free_rotation][static_cast<int>(measure)](a, sums);
 }
 
-void Simulation::integrate(IntegrateSums& sums, bool measure) {
+void Simulation::integrate(IntegrateSums& sums, Measure measure) {
     IntegrateArguments a{};
     a.particles = particles_.data();
     a.spins = options_.free_rotation ? spins_.data() : nullptr;
@@ -230,7 +225,7 @@ void Simulation::integrate(IntegrateSums& sums, bool measure) {
     to_row_major(gradient_, a.velocity_gradient);
     a.dt = dt_;
     a.damping = options_.damping;
-    (measure ? kernel_.integrate_measured : kernel_.integrate)(a, sums);
+    kernel_.integrate[options_.free_rotation][static_cast<int>(measure)](a, sums);
 }
 
 void Simulation::deform_cell() {
@@ -250,10 +245,12 @@ void Simulation::record(const ContactSums& contacts, const IntegrateSums& motion
     measured_.affine_stiffness = contacts.stiffness_sum / (9 * v);
     measured_.elastic_energy = contacts.elastic_energy;
     measured_.kinetic_energy = motion.kinetic_energy;
-    if (!options_.energy_balance) return;
-    energy_.stored = contacts.elastic_energy + motion.kinetic_energy;
+}
+
+void Simulation::balance_energy(const ContactSums& contacts, const IntegrateSums& motion, Measure measure) {
+    if (measure == Measure::all) energy_.stored = contacts.elastic_energy + motion.kinetic_energy;
     if (steps_ == 0) energy_.stored_start = energy_.stored;
-    energy_.work -= dt_ * v * measured_.stress.cwiseProduct(gradient_).sum();
+    energy_.work -= dt_ * contacts.power;
     energy_.sliding += contacts.dissipation;
     energy_.damping += motion.dissipation;
 }

@@ -15,6 +15,7 @@ namespace loam::engine {
 struct KernelTable;
 struct ContactSums;
 struct IntegrateSums;
+enum class Measure;
 
 /// Parameters of the law `linear-cohesive` (De Pue et al. 2019, eqs 1-7; see contact/linear_cohesive.hpp).
 struct LinearCohesive {
@@ -109,14 +110,15 @@ class Simulation {
 
   private:
     void set_time_step();
-    void step(bool measure);
+    void step(Measure measure);
     void update_neighbours();
     double drift_since_build() const;
     void rebuild_neighbours();
-    void contact_forces(ContactSums* sums);
-    void integrate(IntegrateSums& sums, bool measure);
+    void contact_forces(ContactSums& sums, Measure measure);
+    void integrate(IntegrateSums& sums, Measure measure);
     void deform_cell();
     void record(const ContactSums& contacts, const IntegrateSums& motion);
+    void balance_energy(const ContactSums& contacts, const IntegrateSums& motion, Measure measure);
 
     LinearCohesive law_;
     SimulationOptions options_;

@@ -3,7 +3,8 @@
 // another.
 #pragma once
 
-#if defined(__AVX512F__)
+#include <cstdint>
+#if defined(__AVX512F__) || defined(__AVX2__)
 #include <immintrin.h>
 #endif
 
@@ -52,15 +53,38 @@ LOAM_INLINE bool any(m8 m) {
 /// 1/sqrt(a), to within 2 units in the last place; a must be positive and normal.
 LOAM_INLINE v8 inverse_sqrt(v8 a) {
 #if defined(__AVX512F__)
-    // 14-bit estimate, then two Newton steps: much faster than a square root and a division.
-    v8 y = reinterpret_cast<v8>(_mm512_maskz_rsqrt14_pd(0xff, reinterpret_cast<__m512d>(a)));
-    const v8 half = a * 0.5;
-    y = y * (1.5 - half * y * y);
-    return y * (1.5 - half * y * y);
+    // 14-bit estimate, then one correction of fourth order: much faster than a square root and a division.
+    const v8 y = reinterpret_cast<v8>(_mm512_maskz_rsqrt14_pd(0xff, reinterpret_cast<__m512d>(a)));
+    const v8 e = 1.0 - (a * y) * y;
+    return y + (y * e) * (0.5 + e * (0.375 + e * 0.3125));
 #else
     v8 y;
     for (int k = 0; k < 8; ++k) y[k] = 1.0 / __builtin_sqrt(a[k]);
     return y;
+#endif
+}
+
+/// 1/a, to within 2 units in the last place; a must be normal.
+LOAM_INLINE v8 inverse(v8 a) {
+#if defined(__AVX512F__)
+    v8 y = reinterpret_cast<v8>(_mm512_maskz_rcp14_pd(0xff, reinterpret_cast<__m512d>(a)));
+    y = y + y * (1.0 - a * y);
+    return y + y * (1.0 - a * y);
+#else
+    return 1.0 / a;
+#endif
+}
+
+/// Whether eight indices are all equal to one.
+LOAM_INLINE bool all_equal(const std::int32_t* p, std::int32_t value) {
+    typedef std::int32_t i8 __attribute__((vector_size(32)));
+    const i8 differ = *reinterpret_cast<const i8*>(p) ^ (i8{} + value);
+#if defined(__AVX2__)
+    return _mm256_testz_si256(reinterpret_cast<__m256i>(differ), reinterpret_cast<__m256i>(differ));
+#else
+    std::int32_t some = 0;
+    for (int k = 0; k < 8; ++k) some |= differ[k];
+    return some == 0;
 #endif
 }
 
@@ -95,6 +119,19 @@ LOAM_INLINE v8 without_fourth(v8 a) {
 /// Length of the three components that start at lane k.
 LOAM_INLINE double norm_of(v8 a, int k) {
     return __builtin_sqrt(a[k] * a[k] + a[k + 1] * a[k + 1] + a[k + 2] * a[k + 2]);
+}
+
+/// Transposes four rows of four in each half: r[k][l] becomes r[l][k].
+LOAM_INLINE void transpose_halves(v8 (&r)[4]) {
+    v8 t[4];
+    for (int k = 0; k < 4; k += 2) {
+        t[k] = __builtin_shufflevector(r[k], r[k + 1], 0, 8, 2, 10, 4, 12, 6, 14);
+        t[k + 1] = __builtin_shufflevector(r[k], r[k + 1], 1, 9, 3, 11, 5, 13, 7, 15);
+    }
+    for (int l = 0; l < 2; ++l) {
+        r[l] = __builtin_shufflevector(t[l], t[l + 2], 0, 1, 8, 9, 4, 5, 12, 13);
+        r[l + 2] = __builtin_shufflevector(t[l], t[l + 2], 2, 3, 10, 11, 6, 7, 14, 15);
+    }
 }
 
 /// Transposes eight rows in place: r[k][l] becomes r[l][k]. Unused results cost nothing once inlined.
