@@ -13,135 +13,139 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Eigen::Vector3i;
 
-/// A pair with its sort key: (i, j, image), i < j. Images of old pairs may reach ±2 after wrapping.
-struct Pair {
-    std::uint64_t key;
-    std::int32_t i, j, image;
-};
-
-std::uint64_t pair_key(std::int32_t i, std::int32_t j, const Vector3i& n) {
-    const auto shift = static_cast<std::uint64_t>((n.x() + 3) * 64 + (n.y() + 3) * 8 + (n.z() + 3));
-    return (static_cast<std::uint64_t>(i) << 36) | (static_cast<std::uint64_t>(j) << 9) | shift;
-}
+constexpr std::size_t no_bond = static_cast<std::size_t>(-1);
+constexpr std::size_t block = 64;  // pairs that are interleaved
 
 Vector3i image_vector(std::int32_t index) {
     return {index / 9 - 1, (index / 3) % 3 - 1, index % 3 - 1};
 }
 
-Vector3d position(const ParticleRow& row) {
-    return {row.x[0], row.x[1], row.x[2]};
+std::uint32_t row_offset(std::int32_t particle) {
+    return static_cast<std::uint32_t>(particle) * static_cast<std::uint32_t>(row_bytes);
 }
 
-/// Moves every particle into the cell; returns by how many cells each was moved.
-std::vector<Vector3i> wrap(AlignedVector<ParticleRow>& particles, std::size_t count, const Matrix3d& cell,
-                           const Matrix3d& inverse) {
-    std::vector<Vector3i> moved(count, Vector3i::Zero());
-    for (std::size_t p = 0; p < count; ++p) {
-        const Vector3d f = inverse * position(particles[p]);
-        for (int k = 0; k < 3; ++k) moved[p][k] = static_cast<int>(std::floor(f[k]));
-        const Vector3d x = position(particles[p]) - cell * moved[p].cast<double>();
-        for (int k = 0; k < 3; ++k) particles[p].x[k] = x[k];
-    }
-    return moved;
+/// One number for an image; those of old pairs may reach ±3 after wrapping.
+std::int32_t image_code(const Vector3i& n) {
+    return (n.x() + 3) * 64 + (n.y() + 3) * 8 + (n.z() + 3);
 }
 
-/// Bins of a grid in fractional coordinates, at least as thick as the largest reach.
-struct Grid {
-    Vector3i size;
-    std::vector<std::int32_t> start, member;  // compressed rows: members of bin b are start[b]..start[b+1]
-    std::vector<Vector3i> bin_of;
+Vector3i decode_image(std::int32_t code) {
+    return {code / 64 - 3, code / 8 % 8 - 3, code % 8 - 3};
+}
 
-    Grid(const AlignedVector<ParticleRow>& particles, std::size_t count, const Matrix3d& inverse,
-         double reach) {
-        for (int k = 0; k < 3; ++k) {
-            // The distance of opposite faces of the cell is one over the length of the reciprocal vector.
-            const double thickness = 1.0 / inverse.row(k).norm();
-            if (thickness < reach)
-                throw std::runtime_error("the periodic cell has become thinner than two particles (" +
-                                         std::to_string(thickness) + " m)");
-            size[k] = std::clamp(static_cast<int>(thickness / reach), 1, 64);
-        }
-        start.assign(static_cast<std::size_t>(size.prod()) + 1, 0);
-        bin_of.resize(count);
-        for (std::size_t p = 0; p < count; ++p) {
-            const Vector3d f = inverse * position(particles[p]);
-            for (int k = 0; k < 3; ++k)
-                bin_of[p][k] = std::clamp(static_cast<int>(f[k] * size[k]), 0, size[k] - 1);
-            ++start[index(bin_of[p]) + 1];
-        }
-        for (std::size_t b = 1; b < start.size(); ++b) start[b] += start[b - 1];
-        member.resize(count);
-        std::vector<std::int32_t> cursor(start.begin(), start.end() - 1);
-        for (std::size_t p = 0; p < count; ++p)
-            member[static_cast<std::size_t>(cursor[index(bin_of[p])]++)] = static_cast<std::int32_t>(p);
-    }
-
-    std::size_t index(const Vector3i& b) const {
-        return static_cast<std::size_t>((b.x() * size.y() + b.y()) * size.z() + b.z());
-    }
-};
-
-/// All pairs closer than the skin. A bin is met under each of its periodic copies, so a cell of one or two
-/// bins works.
-std::vector<Pair> find_pairs(const AlignedVector<ParticleRow>& particles, std::size_t count,
-                             const Matrix3d& cell, const Matrix3d& inverse, double skin) {
+/// Moves every particle into the cell and notes by how many cells; returns the largest radius.
+double wrap(AlignedVector<ParticleRow>& particles, std::size_t count, const Matrix3d& cell,
+            const Matrix3d& inverse, std::vector<Vector3i>& moved) {
     double largest = 0;
-    for (std::size_t p = 0; p < count; ++p) largest = std::max(largest, particles[p].radius);
-    const Grid grid(particles, count, inverse, 2 * largest * (1 + skin));
-    std::vector<Pair> pairs;
+    moved.resize(count);
     for (std::size_t p = 0; p < count; ++p) {
-        for (int offset = image_home; offset < image_count;
-             ++offset) {  // half of the 27 neighbours, and the own bin
-            Vector3i bin = grid.bin_of[p] + image_vector(offset), shift = Vector3i::Zero();
-            for (int k = 0; k < 3; ++k) {
-                if (bin[k] < 0) bin[k] += grid.size[k], shift[k] = -1;
-                if (bin[k] >= grid.size[k]) bin[k] -= grid.size[k], shift[k] = 1;
-            }
-            const Vector3d origin = position(particles[p]) - cell * shift.cast<double>();
-            const std::size_t b = grid.index(bin);
-            for (std::int32_t m = grid.start[b]; m < grid.start[b + 1]; ++m) {
-                const std::int32_t q = grid.member[static_cast<std::size_t>(m)],
-                                   own = static_cast<std::int32_t>(p);
-                if (q == own || (offset == image_home && q < own)) continue;
-                const ParticleRow& other = particles[static_cast<std::size_t>(q)];
-                const double reach = (particles[p].radius + other.radius) * (1 + skin);
-                if ((position(other) - origin).squaredNorm() > reach * reach) continue;
-                const bool ordered = own < q;
-                const Vector3i n = ordered ? shift : Vector3i(-shift);
-                const std::int32_t i = ordered ? own : q, j = ordered ? q : own;
-                pairs.push_back({pair_key(i, j, n), i, j, image_index(n.x(), n.y(), n.z())});
-            }
-        }
+        double* at = particles[p].x;
+        largest = std::max(largest, particles[p].radius);
+        const Vector3d f = inverse * Vector3d(at[0], at[1], at[2]);
+        moved[p].setZero();
+        if (f.minCoeff() >= 0 && f.maxCoeff() < 1) continue;
+        for (int k = 0; k < 3; ++k) moved[p][k] = static_cast<int>(std::floor(f[k]));
+        const Vector3d shift = cell * moved[p].cast<double>();
+        for (int k = 0; k < 3; ++k) at[k] -= shift[k];
     }
-    std::sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) { return a.key < b.key; });
-    return pairs;
+    return largest;
 }
 
-struct History {
-    std::uint64_t key;
-    std::int32_t i, j;
-    Vector3i image;
-    double shear[3], bond;
-};
-
-/// The contacts of the old list, with their images as they are after wrapping, sorted by key.
-std::vector<History> collect_history(const PairList& pairs, const std::vector<Vector3i>& moved) {
-    std::vector<History> history;
-    for (std::size_t k = 0; k < pairs.count; ++k) {
-        if (pairs.bond[k] == bond_none) continue;
-        const std::int32_t i = pairs.i[k], j = pairs.j[k];
-        const Vector3i n = image_vector(pairs.image[k]) + moved[static_cast<std::size_t>(j)] -
-                           moved[static_cast<std::size_t>(i)];
-        history.push_back({pair_key(i, j, n),
-                           i,
-                           j,
-                           n,
-                           {pairs.shear[0][k], pairs.shear[1][k], pairs.shear[2][k]},
-                           pairs.bond[k]});
+/// The contacts of the old list by their first particle.
+void collect_bonds(const PairList& old, std::size_t count, RebuildBuffers& b) {
+    b.bond_start.assign(count + 2, 0);
+    for (std::size_t k = 0; k < old.padded(); ++k)
+        if (old.bond[k] != bond_none) ++b.bond_start[static_cast<std::size_t>(old.i[k]) + 2];
+    for (std::size_t p = 2; p < b.bond_start.size(); ++p) b.bond_start[p] += b.bond_start[p - 1];
+    b.bonds.resize(b.bond_start.back());
+    for (std::size_t k = 0; k < old.padded(); ++k) {
+        if (old.bond[k] == bond_none) continue;
+        const auto i = static_cast<std::size_t>(old.i[k]), j = static_cast<std::size_t>(old.j[k]);
+        const Vector3i n = image_vector(old.image[k]) + b.moved[j] - b.moved[i];
+        b.bonds[b.bond_start[i + 1]++] = {old.j[k], image_code(n), k, false};
     }
-    std::sort(history.begin(), history.end(),
-              [](const History& a, const History& b) { return a.key < b.key; });
-    return history;
+}
+
+/// Finds the bond of every near pair, moves bonded pairs to the first section, and adds the pairs whose bond
+/// reaches farther than the skin.
+void join_bonds(RebuildBuffers& b, std::size_t& pairs) {
+    std::array<std::int32_t, image_count> code;
+    for (int n = 0; n < image_count; ++n) code[static_cast<std::size_t>(n)] = image_code(image_vector(n));
+    b.bond_of.assign(pairs + b.bonds.size(), no_bond);
+    for (std::size_t k = 0; k < pairs; ++k) {
+        NearPair& pair = b.near[k];
+        const auto i = static_cast<std::size_t>(pair.i);
+        for (std::size_t h = b.bond_start[i]; h < b.bond_start[i + 1]; ++h) {
+            if (b.bonds[h].j != pair.j || b.bonds[h].image_code != code[static_cast<std::size_t>(pair.image)])
+                continue;
+            b.bonds[h].found = true;
+            b.bond_of[k] = b.bonds[h].at;
+            pair.section = 0;
+        }
+    }
+    if (b.near.size() < pairs + b.bonds.size()) b.near.resize(pairs + b.bonds.size());
+    for (std::size_t i = 0; i + 2 < b.bond_start.size(); ++i)
+        for (std::size_t h = b.bond_start[i]; h < b.bond_start[i + 1]; ++h) {
+            if (b.bonds[h].found) continue;
+            const Vector3i n = decode_image(b.bonds[h].image_code);
+            if (n.cwiseAbs().maxCoeff() > 1)
+                throw std::runtime_error("a contact reaches across more than one periodic cell");
+            b.bond_of[pairs] = b.bonds[h].at;
+            b.near[pairs++] = {static_cast<std::int32_t>(i), b.bonds[h].j, image_index(n.x(), n.y(), n.z()),
+                               0};
+        }
+}
+
+/// The order of the new list: by section, pairs across the boundary first, and within every block of 64 such
+/// that the eight pairs of a group, which add their forces one after the other, stood apart before: they
+/// seldom share a particle.
+void order_pairs(RebuildBuffers& b, std::size_t pairs, PairList& out) {
+    std::array<std::size_t, 2 * gap_sections + 1> start{};
+    const auto rank = [&](std::size_t k) {
+        return 2 * static_cast<std::size_t>(b.near[k].section) + (b.near[k].image == image_home ? 1u : 0u);
+    };
+    for (std::size_t k = 0; k < pairs; ++k) ++start[rank(k) + 1];
+    for (std::size_t s = 1; s < start.size(); ++s) start[s] += start[s - 1];
+    for (std::size_t s = 0; s < gap_sections; ++s) out.section_end[s] = start[2 * s + 2];
+    b.order.resize(pairs);
+    for (std::size_t k = 0; k < pairs; ++k) {
+        const std::size_t place = start[rank(k)]++;
+        const std::size_t base = place / block * block, within = place % block;
+        const bool whole = base + block <= pairs;
+        b.order[whole ? base + within % 8 * 8 + within / 8 : place] = k;
+    }
+}
+
+void fill_pairs(const RebuildBuffers& b, const AlignedVector<ParticleRow>& particles, std::size_t count,
+                PairList& out) {
+    const PairList& old = b.old;
+    for (std::size_t k = 0; k < out.count; ++k) {
+        const NearPair& pair = b.near[b.order[k]];
+        out.i[k] = pair.i;
+        out.j[k] = pair.j;
+        out.row_i[k] = row_offset(pair.i);
+        out.row_j[k] = row_offset(pair.j);
+        out.image[k] = pair.image;
+        const double r = particles[static_cast<std::size_t>(pair.i)].radius;
+        const double s = particles[static_cast<std::size_t>(pair.j)].radius;
+        out.radius_sum[k] = r + s;
+        out.stiffness_length[k] = r * s / (r + s);
+        out.area[k] = std::min(r, s) * std::min(r, s);
+        const std::size_t at = b.bond_of[b.order[k]];
+        for (std::size_t q = 0; q < 3; ++q) out.shear[q][k] = at == no_bond ? 0.0 : old.shear[q][at];
+        out.bond[k] = at == no_bond ? bond_none : old.bond[at];
+    }
+    for (std::size_t k = out.count; k < out.padded(); ++k) {  // the two dummies, a metre apart, never touch
+        out.i[k] = static_cast<std::int32_t>(count);
+        out.j[k] = static_cast<std::int32_t>(count + 1);
+        out.row_i[k] = row_offset(out.i[k]);
+        out.row_j[k] = row_offset(out.j[k]);
+        out.image[k] = image_home;
+        out.radius_sum[k] = 1e-3;  // what is divided by must not be zero
+        out.stiffness_length[k] = 1.0;
+        out.area[k] = out.shear[0][k] = out.shear[1][k] = out.shear[2][k] = 0.0;
+        out.bond[k] = bond_none;
+    }
 }
 
 }  // namespace
@@ -149,54 +153,39 @@ std::vector<History> collect_history(const PairList& pairs, const std::vector<Ve
 void PairList::resize_padded(std::size_t n) {
     count = n;
     const std::size_t padded_size = (n + 7) / 8 * 8;
-    for (auto* a : {&i, &j, &image}) a->assign(padded_size, 0);
+    for (auto* a : {&i, &j, &image}) a->resize(padded_size);
+    for (auto* a : {&row_i, &row_j}) a->resize(padded_size);
     for (auto* a : {&radius_sum, &stiffness_length, &area, &shear[0], &shear[1], &shear[2], &bond})
-        a->assign(padded_size, 0.0);
+        a->resize(padded_size);
 }
 
-void rebuild_pairs(PairList& pairs, AlignedVector<ParticleRow>& particles, std::size_t count,
-                   const Matrix3d& cell, double skin) {
-    const Matrix3d inverse = cell.inverse();
-    const std::vector<Vector3i> moved = wrap(particles, count, cell, inverse);
-    const std::vector<History> history = collect_history(pairs, moved);
-    std::vector<Pair> found = find_pairs(particles, count, cell, inverse, skin);
-    // A contact in tension may have left the skin: it stays listed while its bond lives.
-    const std::size_t within = found.size();
-    for (const History& h : history) {
-        const auto at = std::lower_bound(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(within),
-                                         h.key, [](const Pair& p, std::uint64_t key) { return p.key < key; });
-        if (at != found.begin() + static_cast<std::ptrdiff_t>(within) && at->key == h.key) continue;
-        if (h.image.cwiseAbs().maxCoeff() > 1)
-            throw std::runtime_error("a contact reaches across more than one periodic cell");
-        found.push_back({h.key, h.i, h.j, image_index(h.image.x(), h.image.y(), h.image.z())});
-    }
-    std::sort(found.begin(), found.end(), [](const Pair& a, const Pair& b) { return a.key < b.key; });
+std::size_t PairList::within_reach(double motion) const {
+    std::size_t s = 0;
+    while (s + 1 < gap_sections && section_gap[s + 1] <= motion) ++s;
+    return std::min(padded(), (section_end[s] + block - 1) / block * block);
+}
 
-    pairs.resize_padded(found.size());
-    auto h = history.begin();
-    for (std::size_t k = 0; k < found.size(); ++k) {
-        const Pair& pair = found[k];
-        pairs.i[k] = pair.i;
-        pairs.j[k] = pair.j;
-        pairs.image[k] = pair.image;
-        const double a = particles[static_cast<std::size_t>(pair.i)].radius;
-        const double b = particles[static_cast<std::size_t>(pair.j)].radius;
-        pairs.radius_sum[k] = a + b;
-        pairs.stiffness_length[k] = a * b / (a + b);
-        pairs.area[k] = std::min(a, b) * std::min(a, b);
-        while (h != history.end() && h->key < pair.key) ++h;
-        if (h == history.end() || h->key != pair.key) continue;
-        for (int q = 0; q < 3; ++q) pairs.shear[q][k] = h->shear[q];
-        pairs.bond[k] = h->bond;
-    }
-    for (std::size_t k = found.size(); k < pairs.padded();
-         ++k) {  // the two dummies, a metre apart, never touch
-        pairs.i[k] = static_cast<std::int32_t>(count);
-        pairs.j[k] = static_cast<std::int32_t>(count + 1);
-        pairs.image[k] = image_home;
-        pairs.radius_sum[k] = 1e-3;  // what is divided by must not be zero
-        pairs.stiffness_length[k] = 1.0;
-    }
+std::int32_t gap_section(double closeness, double skin) {
+    const double scaled = (closeness - 1) / ((1 + skin) * (1 + skin) - 1) * (gap_sections - 1);
+    if (scaled < 0) return 0;
+    return std::min(1 + static_cast<std::int32_t>(scaled), gap_sections - 1);
+}
+
+void rebuild_pairs(PairList& pairs, RebuildBuffers& buffers, AlignedVector<ParticleRow>& particles,
+                   std::size_t count, const Matrix3d& cell, double skin) {
+    const Matrix3d inverse = cell.inverse();
+    const double largest = wrap(particles, count, cell, inverse, buffers.moved);
+    std::swap(pairs, buffers.old);
+    collect_bonds(buffers.old, count, buffers);
+    buffers.grid.fill(particles, count, inverse, 2 * largest * (1 + skin));
+    std::size_t found = buffers.grid.find_pairs(cell, skin, buffers.near);
+    join_bonds(buffers, found);
+    pairs.resize_padded(found);
+    order_pairs(buffers, found, pairs);
+    fill_pairs(buffers, particles, count, pairs);
+    for (int s = 1; s < gap_sections; ++s)
+        pairs.section_gap[static_cast<std::size_t>(s)] =
+            std::sqrt(1 + (s - 1) * ((1 + skin) * (1 + skin) - 1) / (gap_sections - 1)) - 1;
 }
 
 }  // namespace loam::engine

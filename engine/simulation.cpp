@@ -15,6 +15,11 @@ namespace {
 
 constexpr double pi = 3.14159265358979323846;
 
+// Parts of the skin: how far particles may have moved between two looks at their true motion, and the true
+// motion at which the list is rebuilt.
+constexpr double check_fraction = 0.25;
+constexpr double rebuild_fraction = 0.7;
+
 void require(bool ok, const char* field, double value, const char* constraint) {
     if (!ok)
         throw std::invalid_argument(std::string(field) + " = " + std::to_string(value) + ": must be " +
@@ -63,12 +68,13 @@ Simulation::Simulation(const Packing& packing, const LinearCohesive& law, const 
     law.validate();
     options.validate();
     count_ = static_cast<std::size_t>(packing.radii.size());
+    outside_ = locality_order(packing);
     particles_.resize(count_ + 2);  // and two dummies, which fill the last block of pairs
     forces_.assign(count_ + 2, ForceRow{});
     if (options_.free_rotation) spins_.assign(count_ + 2, SpinRow{});
     double smallest = packing.radii[0], largest = smallest, sum = 0;
     for (std::size_t p = 0; p < count_; ++p) {
-        const auto at = static_cast<Eigen::Index>(p);
+        const auto at = static_cast<Eigen::Index>(outside_[p]);
         const double r = packing.radii[at], volume = 4.0 / 3.0 * pi * r * r * r,
                      mass = volume * options_.grain_density;
         const Eigen::Vector3d x = packing.centres.col(at);
@@ -79,8 +85,10 @@ Simulation::Simulation(const Packing& packing, const LinearCohesive& law, const 
         smallest = std::min(smallest, r);
         largest = std::max(largest, r);
     }
-    particles_[count_] = {{0, 0, 0}, 0, {0, 0, 0}, 0};
-    particles_[count_ + 1] = {{1, 0, 0}, 0, {0, 0, 0}, 0};
+    // Dummies stay at rest; what is divided by must not be zero.
+    if (options_.free_rotation) spins_[count_].inverse_inertia = spins_[count_ + 1].inverse_inertia = 1;
+    particles_[count_] = {{0, 0, 0}, 0, {0, 0, 0}, 1};
+    particles_[count_ + 1] = {{1, 0, 0}, 0, {0, 0, 0}, 1};
     mean_diameter_ = 2 * sum / static_cast<double>(count_);
     smallest_diameter_ = 2 * smallest;
     largest_diameter_ = 2 * largest;
@@ -105,8 +113,11 @@ double Simulation::volume() const {
 }
 
 const Measurement& Simulation::advance(int steps) {
-    for (int k = 1; k < steps; ++k) step(options_.energy_balance);
-    step(true);
+    for (int k = 1; k < steps; ++k) {
+        const bool first = steps_ == 0;  // the energy balance starts from what is stored then
+        step(!options_.energy_balance ? Measure::nothing : first ? Measure::all : Measure::energies);
+    }
+    step(Measure::all);
     const double speed = measured_.kinetic_energy;
     if (!std::isfinite(measured_.mean_stress) || !std::isfinite(speed))
         throw std::runtime_error(
@@ -117,13 +128,14 @@ const Measurement& Simulation::advance(int steps) {
     return measured_;
 }
 
-void Simulation::step(bool measure) {
+void Simulation::step(Measure measure) {
     ContactSums contacts{};
     IntegrateSums motion{};
     update_neighbours();
-    contact_forces(measure ? &contacts : nullptr);
+    contact_forces(contacts, measure);
     integrate(motion, measure);
-    if (measure) record(contacts, motion);
+    if (measure == Measure::all) record(contacts, motion);
+    if (options_.energy_balance) balance_energy(contacts, motion, measure);
     deform_cell();
     drift_since_check_ += dt_ * (2 * std::sqrt(motion.max_speed_squared) / smallest_diameter_ +
                                  gradient_.norm() * (1 + options_.neighbour_skin));
@@ -131,33 +143,46 @@ void Simulation::step(bool measure) {
 }
 
 /// Pairs outside of the list were farther apart than the skin when it was built. Relative motion since then
-/// is bounded by the speeds at every step; when the bound reaches the skin the true motion is computed, and
-/// the list rebuilt if due.
+/// is bounded by the speeds at every step; when the bound has grown by a part of the skin the true motion is
+/// computed, and the list rebuilt if due. Within the list, too, the bound tells which pairs can have met.
 void Simulation::update_neighbours() {
     const double skin = options_.neighbour_skin;
-    if (drift_confirmed_ + drift_since_check_ < skin) return;
-    if (built_at_.size() == count_ && drift_since_check_ < 1e299) {
-        double largest = 0;
-        for (std::size_t p = 0; p < count_; ++p) {
-            const Eigen::Vector3d x(particles_[p].x[0], particles_[p].x[1], particles_[p].x[2]);
-            largest = std::max(largest, (x - cell_ * built_at_[p]).squaredNorm());
+    if (drift_since_check_ > check_fraction * skin || drift_confirmed_ + drift_since_check_ >= skin) {
+        const bool listed = built_at_.size() == count_ && drift_since_check_ < 1e299;
+        if (listed) {
+            drift_confirmed_ = drift_since_build();
+            drift_since_check_ = 0;
         }
-        const Eigen::Matrix3d deformation = cell_ * built_cell_.inverse() - Eigen::Matrix3d::Identity();
-        drift_confirmed_ = 2 * std::sqrt(largest) / smallest_diameter_ + deformation.norm() * (1 + skin);
-        drift_since_check_ = 0;
-        if (drift_confirmed_ < 0.7 * skin) return;
+        if (!listed || drift_confirmed_ >= rebuild_fraction * skin) rebuild_neighbours();
     }
-    rebuild_pairs(pairs_, particles_, count_, cell_, skin);
+    // A pair that has met may hold a bond: the part of the list that is looked at never shrinks.
+    reachable_ = std::max(reachable_, pairs_.within_reach(drift_confirmed_ + drift_since_check_));
+}
+
+/// Bound on the relative motion of any two particles since the last rebuild, over the sum of their radii.
+double Simulation::drift_since_build() const {
+    double largest = 0;
+    for (std::size_t p = 0; p < count_; ++p) {
+        const Eigen::Vector3d x(particles_[p].x[0], particles_[p].x[1], particles_[p].x[2]);
+        largest = std::max(largest, (x - cell_ * built_at_[p]).squaredNorm());
+    }
+    const Eigen::Matrix3d deformation = cell_ * built_cell_.inverse() - Eigen::Matrix3d::Identity();
+    return 2 * std::sqrt(largest) / smallest_diameter_ + deformation.norm() * (1 + options_.neighbour_skin);
+}
+
+void Simulation::rebuild_neighbours() {
+    rebuild_pairs(pairs_, rebuild_buffers_, particles_, count_, cell_, options_.neighbour_skin);
     const Eigen::Matrix3d inverse = cell_.inverse();
     built_at_.resize(count_);
     for (std::size_t p = 0; p < count_; ++p)
         built_at_[p] = inverse * Eigen::Vector3d(particles_[p].x[0], particles_[p].x[1], particles_[p].x[2]);
     built_cell_ = cell_;
     drift_confirmed_ = drift_since_check_ = 0;
+    reachable_ = 0;
     ++rebuilds_;
 }
 
-void Simulation::contact_forces(ContactSums* sums) {
+void Simulation::contact_forces(ContactSums& sums, Measure measure) {
     alignas(64) double shifts[image_count][8] = {};
     for (int n = 0; n < image_count; ++n) {
         const Eigen::Vector3d s = cell_ * Eigen::Vector3d(n / 9 - 1, (n / 3) % 3 - 1, n % 3 - 1);
@@ -168,9 +193,9 @@ void Simulation::contact_forces(ContactSums* sums) {
     a.spins = spins_.data();
     a.forces = forces_.data();
     a.shifts = &shifts[0][0];
-    a.padded_pairs = pairs_.padded();
-    a.i = pairs_.i.data();
-    a.j = pairs_.j.data();
+    a.padded_pairs = reachable_;
+    a.row_i = pairs_.row_i.data();
+    a.row_j = pairs_.row_j.data();
     a.image = pairs_.image.data();
     a.radius_sum = pairs_.radius_sum.data();
     a.stiffness_length = pairs_.stiffness_length.data();
@@ -188,19 +213,10 @@ void Simulation::contact_forces(ContactSums* sums) {
     a.shear_cohesion = law_.shear_cohesion;
     a.tension_range = law_.interaction_range - 1;
     a.fragile = law_.fragile;
-    if (options_.free_rotation) {
-        if (sums)
-            kernel_.contacts_rotation_measured(a, *sums);
-        else
-            kernel_.contacts_rotation(a);
-    } else if (sums) {
-        kernel_.contacts_measured(a, *sums);
-    } else {
-        kernel_.contacts(a);
-    }
+    kernel_.contacts[options_.free_rotation][static_cast<int>(measure)](a, sums);
 }
 
-void Simulation::integrate(IntegrateSums& sums, bool measure) {
+void Simulation::integrate(IntegrateSums& sums, Measure measure) {
     IntegrateArguments a{};
     a.particles = particles_.data();
     a.spins = options_.free_rotation ? spins_.data() : nullptr;
@@ -209,7 +225,7 @@ void Simulation::integrate(IntegrateSums& sums, bool measure) {
     to_row_major(gradient_, a.velocity_gradient);
     a.dt = dt_;
     a.damping = options_.damping;
-    (measure ? kernel_.integrate_measured : kernel_.integrate)(a, sums);
+    kernel_.integrate[options_.free_rotation][static_cast<int>(measure)](a, sums);
 }
 
 void Simulation::deform_cell() {
@@ -229,10 +245,12 @@ void Simulation::record(const ContactSums& contacts, const IntegrateSums& motion
     measured_.affine_stiffness = contacts.stiffness_sum / (9 * v);
     measured_.elastic_energy = contacts.elastic_energy;
     measured_.kinetic_energy = motion.kinetic_energy;
-    if (!options_.energy_balance) return;
-    energy_.stored = contacts.elastic_energy + motion.kinetic_energy;
+}
+
+void Simulation::balance_energy(const ContactSums& contacts, const IntegrateSums& motion, Measure measure) {
+    if (measure == Measure::all) energy_.stored = contacts.elastic_energy + motion.kinetic_energy;
     if (steps_ == 0) energy_.stored_start = energy_.stored;
-    energy_.work -= dt_ * v * measured_.stress.cwiseProduct(gradient_).sum();
+    energy_.work -= dt_ * contacts.power;
     energy_.sliding += contacts.dissipation;
     energy_.damping += motion.dissipation;
 }
@@ -241,14 +259,14 @@ void Simulation::set_velocities(const Eigen::Matrix3Xd& velocities) {
     if (velocities.cols() != static_cast<Eigen::Index>(count_) || !velocities.allFinite())
         throw std::invalid_argument("velocities: one finite column for each particle is needed");
     for (std::size_t p = 0; p < count_; ++p)
-        for (int k = 0; k < 3; ++k) particles_[p].v[k] = velocities(k, static_cast<Eigen::Index>(p));
+        for (int k = 0; k < 3; ++k) particles_[p].v[k] = velocities(k, outside_[p]);
     drift_since_check_ = 1e300;
 }
 
 Eigen::Matrix3Xd Simulation::velocities() const {
     Eigen::Matrix3Xd out(3, static_cast<Eigen::Index>(count_));
     for (std::size_t p = 0; p < count_; ++p)
-        for (int k = 0; k < 3; ++k) out(k, static_cast<Eigen::Index>(p)) = particles_[p].v[k];
+        for (int k = 0; k < 3; ++k) out(k, outside_[p]) = particles_[p].v[k];
     return out;
 }
 
@@ -259,7 +277,7 @@ Packing Simulation::packing() const {
     out.radii.resize(static_cast<Eigen::Index>(count_));
     const Eigen::Matrix3d inverse = cell_.inverse();
     for (std::size_t p = 0; p < count_; ++p) {
-        const auto at = static_cast<Eigen::Index>(p);
+        const auto at = static_cast<Eigen::Index>(outside_[p]);
         Eigen::Vector3d f =
             inverse * Eigen::Vector3d(particles_[p].x[0], particles_[p].x[1], particles_[p].x[2]);
         for (int k = 0; k < 3; ++k) f[k] -= std::floor(f[k]);
@@ -271,7 +289,7 @@ Packing Simulation::packing() const {
 
 std::vector<ContactView> Simulation::contacts() const {
     std::vector<ContactView> out;
-    for (std::size_t k = 0; k < pairs_.count; ++k) {
+    for (std::size_t k = 0; k < pairs_.padded(); ++k) {
         if (pairs_.bond[k] == bond_none) continue;
         const int n = pairs_.image[k];
         const ParticleRow &a = particles_[static_cast<std::size_t>(pairs_.i[k])],
@@ -279,9 +297,16 @@ std::vector<ContactView> Simulation::contacts() const {
         const Eigen::Vector3d branch = Eigen::Vector3d(b.x[0] - a.x[0], b.x[1] - a.x[1], b.x[2] - a.x[2]) +
                                        cell_ * Eigen::Vector3d(n / 9 - 1, (n / 3) % 3 - 1, n % 3 - 1);
         const double stiffness = 2 * law_.young_modulus * pairs_.stiffness_length[k];
-        out.push_back({pairs_.i[k], pairs_.j[k], branch, stiffness * (pairs_.radius_sum[k] - branch.norm()),
-                       Eigen::Vector3d(pairs_.shear[0][k], pairs_.shear[1][k], pairs_.shear[2][k])});
+        const Eigen::Vector3d shear(pairs_.shear[0][k], pairs_.shear[1][k], pairs_.shear[2][k]);
+        ContactView view{outside_[static_cast<std::size_t>(pairs_.i[k])],
+                         outside_[static_cast<std::size_t>(pairs_.j[k])], branch,
+                         stiffness * (pairs_.radius_sum[k] - branch.norm()), shear};
+        if (view.i > view.j) view = {view.j, view.i, -branch, view.normal_force, -shear};
+        out.push_back(view);
     }
+    std::stable_sort(out.begin(), out.end(), [](const ContactView& a, const ContactView& b) {
+        return a.i != b.i ? a.i < b.i : a.j < b.j;
+    });
     return out;
 }
 

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 
+#include "engine/neighbours.hpp"
 #include "engine/packing.hpp"
 #include "engine/state.hpp"
 
@@ -14,6 +15,7 @@ namespace loam::engine {
 struct KernelTable;
 struct ContactSums;
 struct IntegrateSums;
+enum class Measure;
 
 /// Parameters of the law `linear-cohesive` (De Pue et al. 2019, eqs 1-7; see contact/linear_cohesive.hpp).
 struct LinearCohesive {
@@ -108,21 +110,27 @@ class Simulation {
 
   private:
     void set_time_step();
-    void step(bool measure);
+    void step(Measure measure);
     void update_neighbours();
-    void contact_forces(ContactSums* sums);
-    void integrate(IntegrateSums& sums, bool measure);
+    double drift_since_build() const;
+    void rebuild_neighbours();
+    void contact_forces(ContactSums& sums, Measure measure);
+    void integrate(IntegrateSums& sums, Measure measure);
     void deform_cell();
     void record(const ContactSums& contacts, const IntegrateSums& motion);
+    void balance_energy(const ContactSums& contacts, const IntegrateSums& motion, Measure measure);
 
     LinearCohesive law_;
     SimulationOptions options_;
     const KernelTable& kernel_;
     std::size_t count_ = 0;
+    std::vector<std::int32_t> outside_;  // the caller's number of the particle kept at each place
     AlignedVector<ParticleRow> particles_;
     AlignedVector<SpinRow> spins_;
     AlignedVector<ForceRow> forces_;
     PairList pairs_;
+    RebuildBuffers rebuild_buffers_;
+    std::size_t reachable_ = 0;  // pairs from the first that may have met since the last rebuild
     Eigen::Matrix3d cell_, gradient_ = Eigen::Matrix3d::Zero();
     double dt_ = 0, solid_volume_ = 0, mean_diameter_ = 0, smallest_diameter_ = 0, largest_diameter_ = 0;
     std::uint64_t steps_ = 0, rebuilds_ = 0;

@@ -2,6 +2,7 @@
 // A particle row is what a contact needs of a particle, so that eight contacts cost sixteen aligned loads.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -45,24 +46,42 @@ struct alignas(64) ForceRow {
     double force[3], unused0, moment[3], unused1;
 };
 
+/// All rows have this size, so that one offset finds a particle in every array.
+inline constexpr std::size_t row_bytes = 64;
+
 /// Bond states of a pair; kept as doubles because the contact loop blends them with forces.
 inline constexpr double bond_none = 0.0;      // apart
 inline constexpr double bond_broken = 1.0;    // touching, cohesion lost
 inline constexpr double bond_cohesive = 2.0;  // touching, cohesion active (also where the cohesion is zero)
 
-/// The neighbour pairs, padded to a multiple of eight with a pair of dummies that never touch.
+/// Sections of the pair list: pairs that touch, then pairs by the size of their gap when the list was made.
+inline constexpr int gap_sections = 17;
+
+/// The section of a pair without a bond from d²/(R_i + R_j)².
+std::int32_t gap_section(double closeness, double skin);
+
+/// The neighbour pairs, padded to a multiple of eight with a pair of dummies that never touch. They are
+/// ordered by sections, so that pairs which cannot have met yet are left out and those that touch fill whole
+/// groups.
 struct PairList {
-    std::size_t count = 0;                   // without padding
-    AlignedVector<std::int32_t> i, j;        // particles, i < j
-    AlignedVector<std::int32_t> image;       // which copy of j: index into the table of 27 cell shifts
-    AlignedVector<double> radius_sum;        // R_i + R_j (m)
-    AlignedVector<double> stiffness_length;  // R_i R_j / (R_i + R_j) (m): stiffness is modulus times this
-    AlignedVector<double> area;              // min(R_i, R_j)² (m²): adhesion is cohesion times this
-    AlignedVector<double> shear[3];          // shear force on i (N): the contact's history
-    AlignedVector<double> bond;              // one of the bond states: the rest of its history
+    std::size_t count = 0;                      // without padding
+    AlignedVector<std::int32_t> i, j;           // particles, i < j
+    AlignedVector<std::int32_t> image;          // which copy of j: index into the table of 27 cell shifts
+    AlignedVector<std::uint32_t> row_i, row_j;  // where their rows start (bytes)
+    AlignedVector<double> radius_sum;           // R_i + R_j (m)
+    AlignedVector<double> stiffness_length;     // R_i R_j / (R_i + R_j) (m): stiffness is modulus times this
+    AlignedVector<double> area;                 // min(R_i, R_j)² (m²): adhesion is cohesion times this
+    AlignedVector<double> shear[3];             // shear force on i (N): the contact's history
+    AlignedVector<double> bond;                 // one of the bond states: the rest of its history
 
     std::size_t padded() const { return i.size(); }
     void resize_padded(std::size_t n);
+
+    std::array<std::size_t, gap_sections> section_end{};  // one past the last pair
+    std::array<double, gap_sections> section_gap{};       // smallest gap over R_i + R_j
+
+    /// How many pairs, from the first, can touch after a relative motion of up to motion·(R_i + R_j).
+    std::size_t within_reach(double motion) const;
 };
 
 /// Image index of the copy shifted by (a, b, c) cells, each in -1..1, and back.

@@ -20,7 +20,8 @@ struct ContactArguments {
     ForceRow* forces;      // added to
     const double* shifts;  // [27][8]: cell shift of every image, x y z then zeros
     std::size_t padded_pairs;
-    const std::int32_t *i, *j, *image;
+    const std::uint32_t *row_i, *row_j;  // where the particles' rows start (bytes)
+    const std::int32_t* image;
     const double *radius_sum, *stiffness_length, *area;
     double *shear_x, *shear_y, *shear_z, *bond;
     double velocity_gradient[9];  // row-major
@@ -44,34 +45,34 @@ struct ContactSums {
     double contacts;        // number of active contacts
     double max_overlap;     // largest overlap over R_i + R_j
     double dissipation;     // J lost in this step by sliding and by breaking cohesion
+    double power;           // W of the stresses in the velocity gradient, compression positive
 };
 
 struct IntegrateArguments {
     ParticleRow* particles;
-    SpinRow* spins;    // nullptr with blocked rotation
-    ForceRow* forces;  // set to zero again
-    std::size_t count;
+    SpinRow* spins;     // nullptr with blocked rotation
+    ForceRow* forces;   // set to zero again
+    std::size_t count;  // without the dummies, of which an odd count takes one along
     double velocity_gradient[9];
     double dt;
     double damping;  // Cundall's local damping
 };
 
 struct IntegrateSums {
-    double max_speed_squared;  // of the velocity relative to the mean field
+    double max_speed_squared;  // bound on it, for velocities relative to the mean field
     double force_norm;         // sum of |F|, only when measured
     double kinetic_energy;     // of the same velocities, only when measured
     double dissipation;        // J taken out by damping in this step, only when measured
 };
 
-/// One instruction set's version of the loops.
+/// What a step sums up beside moving the particles.
+enum class Measure { nothing, energies, all };  // energies: only power and dissipation
+
+/// One instruction set's version of the loops, by free rotation and Measure.
 struct KernelTable {
     const char* name;
-    void (*contacts)(const ContactArguments&);
-    void (*contacts_measured)(const ContactArguments&, ContactSums&);
-    void (*contacts_rotation)(const ContactArguments&);
-    void (*contacts_rotation_measured)(const ContactArguments&, ContactSums&);
-    void (*integrate)(const IntegrateArguments&, IntegrateSums&);
-    void (*integrate_measured)(const IntegrateArguments&, IntegrateSums&);
+    void (*contacts[2][3])(const ContactArguments&, ContactSums&);
+    void (*integrate[2][3])(const IntegrateArguments&, IntegrateSums&);
 };
 
 extern const KernelTable kernel_avx512;
