@@ -2,7 +2,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
-#include <array>
+#include <chrono>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -30,6 +30,25 @@ void to_row_major(const Eigen::Matrix3d& m, double (&out)[9]) {
     for (int p = 0; p < 3; ++p)
         for (int q = 0; q < 3; ++q) out[3 * p + q] = m(p, q);
 }
+
+/// Adds the time between laps to the parts of the step; idle without them.
+class Stopwatch {
+  public:
+    explicit Stopwatch(StepTimes* times) : times_(times) {
+        if (times_ != nullptr) last_ = Clock::now();
+    }
+    void lap(double StepTimes::*part) {
+        if (times_ == nullptr) return;
+        const auto now = Clock::now();
+        times_->*part += std::chrono::duration<double>(now - last_).count();
+        last_ = now;
+    }
+
+  private:
+    using Clock = std::chrono::steady_clock;
+    StepTimes* times_;
+    Clock::time_point last_;
+};
 
 }  // namespace
 
@@ -131,9 +150,13 @@ const Measurement& Simulation::advance(int steps) {
 void Simulation::step(Measure measure) {
     ContactSums contacts{};
     IntegrateSums motion{};
+    Stopwatch watch(times_);
     update_neighbours();
+    watch.lap(&StepTimes::neighbours);
     contact_forces(contacts, measure);
+    watch.lap(&StepTimes::contacts);
     integrate(motion, measure);
+    watch.lap(&StepTimes::integration);
     if (measure == Measure::all) record(contacts, motion);
     if (options_.energy_balance) balance_energy(contacts, motion, measure);
     deform_cell();

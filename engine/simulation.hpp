@@ -35,10 +35,15 @@ struct SimulationOptions {
     double damping = 0.4;           // Cundall's local damping
     double grain_density = 2600.0;  // kg/m³
     double time_step_safety = 0.7;  // over the p-wave estimate min R sqrt(rho/E)
-    double neighbour_skin = 0.04;   // gap over R_i + R_j up to which a pair is listed
+    double neighbour_skin = 0.06;   // gap over R_i + R_j up to which a pair is listed
     bool energy_balance = false;    // measure every step, to integrate work and dissipation
 
     void validate() const;
+};
+
+/// Time spent in the parts of the step (s).
+struct StepTimes {
+    double neighbours = 0, contacts = 0, integration = 0;
 };
 
 /// The packing's state at one instant.
@@ -105,6 +110,9 @@ class Simulation {
     double solid_volume() const { return solid_volume_; }
     double porosity() const { return 1.0 - solid_volume_ / volume(); }
 
+    /// Adds the time of every further step to `times`, which costs some 0.1 us a step; nullptr ends it.
+    void time_steps(StepTimes* times) { times_ = times; }
+
     Packing packing() const;                    // the present state, wrapped into the cell
     std::vector<ContactView> contacts() const;  // of the last step
 
@@ -140,6 +148,7 @@ class Simulation {
     Eigen::Matrix3d built_cell_ = Eigen::Matrix3d::Identity();
     Measurement measured_;
     EnergyBalance energy_;
+    StepTimes* times_ = nullptr;
 };
 
 }  // namespace loam::engine

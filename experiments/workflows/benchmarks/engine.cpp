@@ -1,51 +1,98 @@
-// loam bench engine: speed of the step on packings at rest under oedometric compression.
+// loam bench engine: speed of the step under oedometric compression, on packings at rest and on packings that
+// fly apart because their contacts were stiffened at once.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "engine/kernel/kernel.hpp"
+#include "engine/loading.hpp"
 #include "engine/packing.hpp"
 #include "engine/simulation.hpp"
 #include "experiments/workflows/benchmarks/benchmarks.hpp"
 
 namespace loam::experiments {
+namespace {
+
+struct Speed {
+    double steps_per_s, contacts;
+    engine::StepTimes share;  // of the step's time, 0..1
+};
+
+/// Stiffens the contacts by steps at the stress of the packing, as an oedometer test seats its specimen.
+void seat(engine::Simulation& simulation, const engine::PackingOptions& packing) {
+    const engine::LinearCohesive law;
+    engine::LinearCohesive softer = law;
+    engine::ServoOptions servo;
+    servo.max_steps = 20'000;
+    for (softer.young_modulus = packing.stiffness_ratio * packing.stress;
+         softer.young_modulus < law.young_modulus; softer.young_modulus *= 4) {
+        simulation.set_law(softer);
+        engine::consolidate(simulation, packing.stress, servo);
+    }
+    simulation.set_law(law);
+    engine::consolidate(simulation, packing.stress, servo);
+}
+
+Speed measure_speed(engine::Simulation& simulation, double strain_per_step, int steps) {
+    Eigen::Matrix3d gradient = Eigen::Matrix3d::Zero();
+    gradient(2, 2) = -strain_per_step / simulation.time_step();
+    simulation.set_velocity_gradient(gradient);
+    simulation.advance(200);
+    const auto start = std::chrono::steady_clock::now();
+    const double contacts = simulation.advance(steps).contacts;
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    engine::StepTimes times;
+    simulation.time_steps(&times);
+    simulation.advance(steps / 4);
+    simulation.time_steps(nullptr);
+    const double total = times.neighbours + times.contacts + times.integration;
+    return {steps / seconds,
+            contacts,
+            {times.neighbours / total, times.contacts / total, times.integration / total}};
+}
+
+}  // namespace
 
 int bench_engine(const Settings& settings) {
     nlohmann::json rows = nlohmann::json::array();
     std::string text =
-        fmt::format("kernel {}\n{:<16} {:<8} {:>9} {:>14} {:>14}\n", engine::select_kernel().name, "law",
-                    "rotation", "particles", "particle-steps", "contact-steps");
-    for (const std::uint32_t particles : {500u, 700u, 2000u, 10000u}) {
+        fmt::format("kernel {}\n{:<16} {:<8} {:<8} {:>9} {:>14} {:>14} {:>10} {:>10} {:>11}\n",
+                    engine::select_kernel().name, "law", "state", "rotation", "particles", "particle-steps",
+                    "contact-steps", "neighbours", "contacts", "integration");
+    for (const std::uint32_t particles : {500u, 700u, 2000u, 10000u, 50000u}) {
         engine::PackingOptions options;
         options.particles = particles;
         const engine::Packing packing = engine::make_packing(options).packing;
-        for (const bool rotation : {false, true}) {
-            engine::SimulationOptions how;
-            how.free_rotation = rotation;
-            engine::Simulation simulation(packing, engine::LinearCohesive{}, how);
-            Eigen::Matrix3d gradient = Eigen::Matrix3d::Zero();
-            gradient(2, 2) = -2e-6 / simulation.time_step();
-            simulation.set_velocity_gradient(gradient);
-            simulation.advance(200);
-            const int steps = static_cast<int>(14'000'000 / particles);
-            const auto start = std::chrono::steady_clock::now();
-            const double contacts = simulation.advance(steps).contacts;
-            const double seconds =
-                std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-            const double rate = steps / seconds;
-            rows.push_back({{"code", "loam"},
-                            {"law", "linear-cohesive"},
-                            {"rotation", rotation ? "free" : "blocked"},
-                            {"particles", particles},
-                            {"threads", 1},
-                            {"particle_steps_per_s", rate * particles},
-                            {"contact_steps_per_s", rate * contacts},
-                            {"ratio", 1.0}});
-            text += fmt::format("{:<16} {:<8} {:>9} {:>12.1f} M {:>12.1f} M\n", "linear-cohesive",
-                                rotation ? "free" : "blocked", particles, rate * particles / 1e6,
-                                rate * contacts / 1e6);
-        }
+        for (const bool at_rest : {true, false})
+            for (const bool rotation : {false, true}) {
+                engine::SimulationOptions how;
+                how.free_rotation = rotation;
+                engine::Simulation simulation(packing, engine::LinearCohesive{}, how);
+                if (at_rest) seat(simulation, options);
+                const Speed speed = measure_speed(simulation, at_rest ? 6e-7 : 2e-6,
+                                                  std::max(400, static_cast<int>(14'000'000 / particles)));
+                const char *state = at_rest ? "at rest" : "flying", *spins = rotation ? "free" : "blocked";
+                rows.push_back({{"code", "loam"},
+                                {"law", "linear-cohesive"},
+                                {"state", state},
+                                {"rotation", spins},
+                                {"particles", particles},
+                                {"threads", 1},
+                                {"particle_steps_per_s", speed.steps_per_s * particles},
+                                {"contact_steps_per_s", speed.steps_per_s * speed.contacts},
+                                {"share_neighbours", speed.share.neighbours},
+                                {"share_contacts", speed.share.contacts},
+                                {"share_integration", speed.share.integration},
+                                {"ratio", 1.0}});
+                text += fmt::format(
+                    "{:<16} {:<8} {:<8} {:>9} {:>12.1f} M {:>12.1f} M {:>8.0f} % {:>8.0f} % {:>9.0f} %\n",
+                    "linear-cohesive", state, spins, particles, speed.steps_per_s * particles / 1e6,
+                    speed.steps_per_s * speed.contacts / 1e6, 100 * speed.share.neighbours,
+                    100 * speed.share.contacts, 100 * speed.share.integration);
+            }
     }
     fmt::print("{}", settings.json ? rows.dump(1) + "\n" : text);
     return 0;
