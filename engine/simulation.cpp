@@ -278,6 +278,12 @@ void Simulation::balance_energy(const ContactSums& contacts, const IntegrateSums
     energy_.damping += motion.dissipation;
 }
 
+void Simulation::restart_energy_balance() {
+    const double stored = measured_.elastic_energy + measured_.kinetic_energy;
+    energy_ = {};
+    energy_.stored_start = energy_.stored = stored;
+}
+
 void Simulation::set_velocities(const Eigen::Matrix3Xd& velocities) {
     if (velocities.cols() != static_cast<Eigen::Index>(count_) || !velocities.allFinite())
         throw std::invalid_argument("velocities: one finite column for each particle is needed");

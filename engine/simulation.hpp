@@ -59,7 +59,8 @@ struct Measurement {
     double kinetic_energy = 0;    // J, relative to the mean velocity field
 };
 
-/// Energies integrated since the start, where options.energy_balance is on (J).
+/// Energies integrated since the start or the last restart_energy_balance, where options.energy_balance is on
+/// (J).
 struct EnergyBalance {
     double work = 0;          // done by the cell's deformation on the packing
     double sliding = 0;       // lost by friction and broken cohesion
@@ -99,6 +100,9 @@ class Simulation {
 
     const Measurement& measured() const { return measured_; }
     const EnergyBalance& energy() const { return energy_; }
+    /// Begins the balance anew at the last step, which must have been measured: a change of the law alters
+    /// what the contacts store without work done.
+    void restart_energy_balance();
     const Eigen::Matrix3d& cell() const { return cell_; }
     double volume() const;
     double time_step() const { return dt_; }

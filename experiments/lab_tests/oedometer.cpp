@@ -177,6 +177,7 @@ OedometerResult run_oedometer(Simulation& simulation, const engine::LinearCohesi
         return result;
     }
     result.seating_steps = simulation.steps();
+    simulation.restart_energy_balance();
     Loading loading(simulation, options, result, cancelled);
     loading.mark_seated();
     result.complete = true;

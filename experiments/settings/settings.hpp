@@ -29,8 +29,8 @@ struct Prior {
 /// How a simulation is run.
 struct EngineSettings {
     double damping = 0.4;            // Cundall's local damping, 0..1
-    double time_step_safety = 0.7;   // fraction of the critical (p-wave) time step
-    double inertial_number = 7e-4;   // target while loading: sets the strain rate
+    double time_step_safety = 0.85;  // fraction of the critical (p-wave) time step
+    double inertial_number = 5e-4;    // target while loading: sets the strain rate
     bool fragile = true;             // a cohesive bond, once broken, does not heal
     double interaction_range = 1.5;  // of the sum of radii: reach of a cohesive bond
     bool operator==(const EngineSettings&) const = default;
@@ -50,7 +50,7 @@ struct CalibrationSettings {
     std::string design = "latin-hypercube";
     std::string kernel = "matern52";
     std::string global_optimizer = "crs2";
-    int replicates = 10;            // further packings at chosen points, from which packing noise is learnt
+    int replicates = 8;             // further packings at chosen points, from which packing noise is learnt
     int confirmation_packings = 12;  // fresh packings for the direct runs at the estimate
     int max_rounds = 4;             // rounds of runs added where emulator and direct runs disagree
     int runs_per_round = 24;
@@ -76,7 +76,7 @@ struct Settings {
     std::string rotation = "blocked";  // blocked | free
     std::vector<std::string> effects;
     int particles = 700;
-    int runs = 160;
+    int runs = 120;
     std::string
         inputs_digest;  // of the sample's files and the packing, so that a resumed run meets the same data
     std::map<std::string, double> set;    // parameters held fixed, SI

@@ -15,7 +15,7 @@ namespace loam::experiments {
 namespace {
 
 constexpr Eigen::Index soils = 24;
-constexpr std::uint64_t packings = 4;
+constexpr std::uint64_t packings = 8;
 
 Eigen::VectorXd run_at(const engine::Packing& packing, const engine::LinearCohesive& law, double factor,
                        const Settings& settings, const lab_data::Test& test) {
@@ -52,7 +52,7 @@ int bench_rate(const Settings& settings) {
     const Eigen::MatrixXd x = space.from_probabilities(u);
     SpecimenPool pool(settings);
     const auto stages = static_cast<Eigen::Index>(test.size());
-    Eigen::VectorXd change = Eigen::VectorXd::Zero(stages), size = change, runs = change;
+    Eigen::VectorXd change = Eigen::VectorXd::Zero(stages), size = change, squares = change, runs = change;
     const int total = static_cast<int>(soils * static_cast<Eigen::Index>(packings));
     std::vector<Eigen::VectorXd> full(static_cast<std::size_t>(total)), half = full;
 #pragma omp parallel for schedule(dynamic)
@@ -71,20 +71,24 @@ int bench_rate(const Settings& settings) {
             if (!std::isfinite(d)) continue;
             change[s] += d;
             size[s] += std::abs(d);
+            squares[s] += d * d;
             runs[s] += 1;
         }
     nlohmann::json rows = nlohmann::json::array();
     std::string text = fmt::format(
         "{} soils, {} packings each; strain at half the rate minus strain at the full rate\n"
-        "{:>12} {:>12} {:>14} {:>6}\n",
-        soils, packings, "stress (kPa)", "mean", "mean absolute", "runs");
+        "{:>12} {:>12} {:>15} {:>14} {:>6}\n",
+        soils, packings, "stress (kPa)", "mean", "standard error", "mean absolute", "runs");
     for (Eigen::Index s = 0; s < stages; ++s) {
         const double stress = test.column("axial_stress")[static_cast<std::size_t>(s)] / 1000;
+        const double mean = change[s] / runs[s];
+        const double error = std::sqrt((squares[s] / runs[s] - mean * mean) / (runs[s] - 1));
         rows.push_back({{"stress_kPa", stress},
-                        {"mean", change[s] / runs[s]},
+                        {"mean", mean},
+                        {"standard_error", error},
                         {"mean_absolute", size[s] / runs[s]},
                         {"runs", runs[s]}});
-        text += fmt::format("{:>12.0f} {:>12.2e} {:>14.2e} {:>6.0f}\n", stress, change[s] / runs[s],
+        text += fmt::format("{:>12.0f} {:>12.2e} {:>15.1e} {:>14.2e} {:>6.0f}\n", stress, mean, error,
                             size[s] / runs[s], runs[s]);
     }
     fmt::print("{}", settings.json ? rows.dump(1) + "\n" : text);

@@ -20,11 +20,7 @@ PackingOptions small(double porosity, std::uint64_t seed = 1) {
 
 TEST(Packing, MeetsTheTargetPorosity) {
     for (const double target : {0.47, 0.42, 0.38}) {
-        // Near the loosest packing a collapse may pass the target, for one seed in ten, and rounding decides
-        // for which.
-        PackingResult made = make_packing(small(target));
-        for (std::uint64_t seed = 2; seed <= 3 && !made.reached; ++seed)
-            made = make_packing(small(target, seed));
+        const PackingResult made = make_packing(small(target));
         EXPECT_TRUE(made.reached) << made.stopped_by;
         // Counted anew from radii and cell: solid volume is the sum of 4/3 pi r^3.
         const double solid = 4.0 / 3 * 3.14159265358979 * made.packing.radii.array().pow(3).sum();
