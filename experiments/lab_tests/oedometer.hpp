@@ -14,13 +14,13 @@
 namespace loam::experiments {
 
 struct OedometerOptions {
-    double isotropic_stress = 2000;  // Pa: the packing is brought to this stress first
-    double seating_stress = 2000;    // Pa: axial stress where strain is zero; reached at zero lateral strain
-    std::vector<double> stages;      // Pa, in order; a stage below the one before it is unloading
-    double inertial_number = 5e-4;   // sets the strain rate from the present stress
-    double stress_change = 0.0015;   // largest relative change of the axial stress in one step
-    double strain_per_step = 4e-7;   // the rate is not lowered below this, so that rigid packings end in
-                                     // reasonable time,
+    double isotropic_stress = 2000;   // Pa: the packing is brought to this stress first
+    double seating_stress = 2000;     // Pa: axial stress where strain is zero; reached at zero lateral strain
+    std::vector<double> stages;       // Pa, in order; a stage below the one before it is unloading
+    double inertial_number = 3.5e-4;  // sets the strain rate from the present stress
+    double stress_change = 0.0015;    // largest relative change of the axial stress in one step
+    double strain_per_step = 4e-7;    // the rate is not lowered below this, so that rigid packings end in
+                                      // reasonable time,
     double highest_inertial_number = 2e-3;  // unless the inertial number would pass this
     double least_strain_per_step = 8e-8;    // nor for the change of stress below this: rigid packings stick
                                             // and slip
@@ -28,7 +28,7 @@ struct OedometerOptions {
     // Every stage is held at its stress until the packing is at rest, as a laboratory does; so the strain
     // that is read does not depend on the rate between the stages.
     engine::ServoOptions hold{
-        .inertial_number = 5e-4, .stress_tolerance = 0.004, .unbalanced_ratio = 0.01, .max_steps = 200'000};
+        .inertial_number = 3.5e-4, .stress_tolerance = 0.004, .unbalanced_ratio = 0.01, .max_steps = 200'000};
     int measure_every = 10;        // steps between looks at the stress and the rate
     double largest_strain = 0.45;  // a run beyond it is out of range: the cell gets too flat
     // Seats first with a modulus of at most so many times the isotropic stress, then with the true one: in

@@ -30,7 +30,7 @@ struct Prior {
 struct EngineSettings {
     double damping = 0.4;            // Cundall's local damping, 0..1
     double time_step_safety = 0.85;  // fraction of the critical (p-wave) time step
-    double inertial_number = 5e-4;    // target while loading: sets the strain rate
+    double inertial_number = 3.5e-4;  // target while loading: sets the strain rate
     bool fragile = true;             // a cohesive bond, once broken, does not heal
     double interaction_range = 1.5;  // of the sum of radii: reach of a cohesive bond
     bool operator==(const EngineSettings&) const = default;

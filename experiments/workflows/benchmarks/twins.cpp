@@ -23,7 +23,7 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 constexpr Index soils = 48;
-constexpr int more_particles = 3;
+constexpr int more_particles = 3, shared_runs = 400;
 constexpr std::uint64_t twins_from = 4'000'000, twin_packings = 21, twin_noise = 22, twin_design = 23;
 constexpr double relative_noise = 0.01, absolute_noise = 5e-5;
 
@@ -51,6 +51,8 @@ double median(std::vector<double> values) {
 int bench_twins(const Settings& given) {
     Settings settings = given;
     settings.calibration.specimen_particles = more_particles * settings.particles;
+    // One ensemble serves all soils of the prior, so it is larger than a calibration's own.
+    if (settings.runs == Settings{}.runs) settings.runs = shared_runs;
     const lab_data::Sample sample = reference_sample();
     const RunFolder folder(given);
     RunLog log(folder.file("log.txt"));
