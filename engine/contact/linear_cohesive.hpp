@@ -1,4 +1,5 @@
-// The law `linear-cohesive` for one contact, or for eight at once: T is double or a vector of doubles.
+// The law `linear-cohesive` for several contacts at once: T is a vector of doubles, for which the includer
+// has a choose(mask, a, b).
 //
 //   F_n = k_n u_n >= -a_n,  |F_t| <= max(0, F_n tan(phi) + a_t),  k_n = modulus * R1 R2/(R1+R2) with modulus
 //   2E, k_t = ratio * k_n,  a = C min(R1, R2)^2        (De Pue et al. 2019, eqs 1-7; here compression is
@@ -28,7 +29,7 @@ static inline __attribute__((always_inline)) NormalResponse<T, Mask> linear_cohe
     T force = stiffness * overlap;
     const Mask within = touching & (-overlap < range) & (adhesion > 0);
     if (fragile) return {force, (overlap > 0) | (within & (-force <= adhesion))};
-    force = force < -adhesion ? -adhesion : force;
+    force = choose(force < -adhesion, -adhesion, force);
     return {force, (overlap > 0) | within};
 }
 
@@ -37,7 +38,7 @@ template <class T>
 static inline __attribute__((always_inline)) T linear_cohesive_shear_limit(T normal_force, T friction,
                                                                            T adhesion) {
     const T limit = normal_force * friction + adhesion;
-    return limit > 0 ? limit : limit * 0;
+    return choose(limit > 0, limit, limit * 0);
 }
 
 }  // namespace

@@ -1,155 +1,40 @@
-// Eight doubles as one value, by the compilers' vector extension: the same source becomes AVX-512, AVX2 or
-// SSE2 code, as the flags of the including file say. Everything is static, so that no version leaks into
-// another.
+// Doubles side by side as one value: a `v8` is a row of eight, a `Column` holds one quantity of `lanes`
+// pairs. Columns are as wide as the registers of the instruction set that the including file is compiled for:
+// wider vectors than those, GCC turns into scalar code. Rows are then pairs of narrower vectors. Everything
+// is static, so that no version leaks into another.
 #pragma once
 
 #include <cstdint>
-#if defined(__AVX512F__) || defined(__AVX2__)
-#include <immintrin.h>
+
+#define LOAM_INLINE static inline __attribute__((always_inline))
+
+#if defined(__AVX512F__)
+#include "engine/kernel/vector_avx512.hpp"
+#elif defined(__AVX2__)
+#include "engine/kernel/vector_avx2.hpp"
+#else
+#include "engine/kernel/vector_sse2.hpp"
 #endif
 
 namespace loam::engine {
 namespace {
 
-typedef double v8 __attribute__((vector_size(64)));
-typedef long long m8 __attribute__((vector_size(64)));
-typedef double v4 __attribute__((vector_size(32)));
+static_assert(sizeof(v8) == 64 && sizeof(Column) == 8 * lanes && 8 % lanes == 0);
 
-#define LOAM_INLINE static inline __attribute__((always_inline))
-
-LOAM_INLINE v8 load8(const double* p) {
-    return *reinterpret_cast<const v8*>(p);
+LOAM_INLINE Column load(const double* p) {
+    return *reinterpret_cast<const Column*>(p);
 }
-LOAM_INLINE void store8(double* p, v8 a) {
-    *reinterpret_cast<v8*>(p) = a;
+LOAM_INLINE void store(double* p, Column a) {
+    *reinterpret_cast<Column*>(p) = a;
 }
-LOAM_INLINE v4 load4(const double* p) {
-    return *reinterpret_cast<const v4*>(p);
-}
-LOAM_INLINE void store4(double* p, v4 a) {
-    *reinterpret_cast<v4*>(p) = a;
-}
-LOAM_INLINE v8 splat(double a) {
-    return v8{a, a, a, a, a, a, a, a};
-}
-LOAM_INLINE v8 choose(m8 mask, v8 a, v8 b) {
-    return mask ? a : b;
-}
-LOAM_INLINE v8 max8(v8 a, v8 b) {
-    return a > b ? a : b;
-}
-LOAM_INLINE v8 min8(v8 a, v8 b) {
-    return a < b ? a : b;
+LOAM_INLINE Column splat(double a) {
+    return splat_as<Column>(a);
 }
 
-LOAM_INLINE bool any(m8 m) {
-#if defined(__AVX512F__)
-    return _mm512_test_epi64_mask(reinterpret_cast<__m512i>(m), reinterpret_cast<__m512i>(m)) != 0;
-#else
-    return (m[0] | m[1] | m[2] | m[3] | m[4] | m[5] | m[6] | m[7]) != 0;
-#endif
-}
-
-/// 1/sqrt(a), to within 2 units in the last place; a must be positive and normal.
-LOAM_INLINE v8 inverse_sqrt(v8 a) {
-#if defined(__AVX512F__)
-    // 14-bit estimate, then one correction of fourth order: much faster than a square root and a division.
-    const v8 y = reinterpret_cast<v8>(_mm512_maskz_rsqrt14_pd(0xff, reinterpret_cast<__m512d>(a)));
-    const v8 e = 1.0 - (a * y) * y;
-    return y + (y * e) * (0.5 + e * (0.375 + e * 0.3125));
-#else
-    v8 y;
-    for (int k = 0; k < 8; ++k) y[k] = 1.0 / __builtin_sqrt(a[k]);
-    return y;
-#endif
-}
-
-/// 1/a, to within 2 units in the last place; a must be normal.
-LOAM_INLINE v8 inverse(v8 a) {
-#if defined(__AVX512F__)
-    v8 y = reinterpret_cast<v8>(_mm512_maskz_rcp14_pd(0xff, reinterpret_cast<__m512d>(a)));
-    y = y + y * (1.0 - a * y);
-    return y + y * (1.0 - a * y);
-#else
-    return 1.0 / a;
-#endif
-}
-
-/// Whether eight indices are all equal to one.
-LOAM_INLINE bool all_equal(const std::int32_t* p, std::int32_t value) {
-    typedef std::int32_t i8 __attribute__((vector_size(32)));
-    const i8 differ = *reinterpret_cast<const i8*>(p) ^ (i8{} + value);
-#if defined(__AVX2__)
-    return _mm256_testz_si256(reinterpret_cast<__m256i>(differ), reinterpret_cast<__m256i>(differ));
-#else
-    std::int32_t some = 0;
-    for (int k = 0; k < 8; ++k) some |= differ[k];
-    return some == 0;
-#endif
-}
-
-LOAM_INLINE double sum(v8 a) {
-    return ((a[0] + a[1]) + (a[2] + a[3])) + ((a[4] + a[5]) + (a[6] + a[7]));
-}
-
-LOAM_INLINE v8 join(v4 a, v4 b) {
-    return __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7);
-}
-LOAM_INLINE v4 lower_half(v8 a) {
-    return __builtin_shufflevector(a, a, 0, 1, 2, 3);
-}
-LOAM_INLINE v4 upper_half(v8 a) {
-    return __builtin_shufflevector(a, a, 4, 5, 6, 7);
-}
-LOAM_INLINE v8 lower_halves(v8 a, v8 b) {
-    return __builtin_shufflevector(a, b, 0, 1, 2, 3, 8, 9, 10, 11);
-}
-LOAM_INLINE v8 upper_halves(v8 a, v8 b) {
-    return __builtin_shufflevector(a, b, 4, 5, 6, 7, 12, 13, 14, 15);
-}
-/// Lane K of each half in all lanes of that half.
-template <int K>
-LOAM_INLINE v8 spread(v8 a) {
-    return __builtin_shufflevector(a, a, K, K, K, K, K + 4, K + 4, K + 4, K + 4);
-}
-/// Zero in the last lane of each half.
-LOAM_INLINE v8 without_fourth(v8 a) {
-    return __builtin_shufflevector(a, splat(0.0), 0, 1, 2, 8, 4, 5, 6, 8);
-}
 /// Length of the three components that start at lane k.
 LOAM_INLINE double norm_of(v8 a, int k) {
-    return __builtin_sqrt(a[k] * a[k] + a[k + 1] * a[k + 1] + a[k + 2] * a[k + 2]);
-}
-
-/// Transposes four rows of four in each half: r[k][l] becomes r[l][k].
-LOAM_INLINE void transpose_halves(v8 (&r)[4]) {
-    v8 t[4];
-    for (int k = 0; k < 4; k += 2) {
-        t[k] = __builtin_shufflevector(r[k], r[k + 1], 0, 8, 2, 10, 4, 12, 6, 14);
-        t[k + 1] = __builtin_shufflevector(r[k], r[k + 1], 1, 9, 3, 11, 5, 13, 7, 15);
-    }
-    for (int l = 0; l < 2; ++l) {
-        r[l] = __builtin_shufflevector(t[l], t[l + 2], 0, 1, 8, 9, 4, 5, 12, 13);
-        r[l + 2] = __builtin_shufflevector(t[l], t[l + 2], 2, 3, 10, 11, 6, 7, 14, 15);
-    }
-}
-
-/// Transposes eight rows in place: r[k][l] becomes r[l][k]. Unused results cost nothing once inlined.
-LOAM_INLINE void transpose(v8 (&r)[8]) {
-    v8 t[8], u[8];
-    for (int k = 0; k < 8; k += 2) {
-        t[k] = __builtin_shufflevector(r[k], r[k + 1], 0, 8, 2, 10, 4, 12, 6, 14);
-        t[k + 1] = __builtin_shufflevector(r[k], r[k + 1], 1, 9, 3, 11, 5, 13, 7, 15);
-    }
-    for (int k = 0; k < 8; k += 4)
-        for (int l = 0; l < 2; ++l) {
-            u[k + l] = __builtin_shufflevector(t[k + l], t[k + l + 2], 0, 1, 8, 9, 4, 5, 12, 13);
-            u[k + l + 2] = __builtin_shufflevector(t[k + l], t[k + l + 2], 2, 3, 10, 11, 6, 7, 14, 15);
-        }
-    for (int l = 0; l < 4; ++l) {
-        r[l] = __builtin_shufflevector(u[l], u[l + 4], 0, 1, 2, 3, 8, 9, 10, 11);
-        r[l + 4] = __builtin_shufflevector(u[l], u[l + 4], 4, 5, 6, 7, 12, 13, 14, 15);
-    }
+    const double x = lane(a, k), y = lane(a, k + 1), z = lane(a, k + 2);
+    return __builtin_sqrt(x * x + y * y + z * z);
 }
 
 }  // namespace
