@@ -94,6 +94,61 @@ LinearCohesive preparation_law(const PackingOptions& options, double friction) {
     return law;
 }
 
+/// Lowers the friction, a little at a time under constant stress, until the packing is dense enough; then
+/// friction is raised again and the packing comes to rest. Loose packings collapse now and then: where that
+/// has passed the target, the way is gone again from before, in smaller steps and stopping earlier.
+class Densification {
+  public:
+    Densification(Simulation& simulation, const PackingOptions& options, const ServoOptions& servo,
+                  const std::function<void()>& poll)
+        : simulation_(simulation), options_(options), servo_(servo), poll_(poll) {}
+
+    /// Whether the packing came to rest.
+    bool run() {
+        const Simulation start = simulation_;
+        // Coming to rest makes it denser by about a thousandth.
+        double enough = options_.target_porosity + 0.6 * options_.tolerance, factor = 0.97;
+        ServoSummary rest;
+        for (int attempt = 0; attempt < most_attempts; ++attempt) {
+            if (attempt > 0) simulation_ = start;
+            lower_friction(enough, factor);
+            simulation_.set_law(preparation_law(options_, high_friction));
+            ServoOptions gentle = servo_;
+            gentle.unbalanced_ratio = 0.005;
+            rest = consolidate(simulation_, options_.stress, gentle, [this] { return poll_(), false; });
+            const double off = simulation_.porosity() - options_.target_porosity;
+            const bool dense_from_the_start = friction_ == high_friction;
+            if (std::abs(off) <= options_.tolerance || friction_ <= lowest_friction || dense_from_the_start)
+                break;
+            enough -= off;
+            factor = std::sqrt(factor);
+        }
+        return rest.converged;
+    }
+
+    double friction() const { return friction_; }  // lowest that was used (rad)
+
+  private:
+    static constexpr int most_attempts = 5;
+
+    void lower_friction(double enough, double factor) {
+        friction_ = high_friction;
+        StressServo steer(Vector3d::Constant(options_.stress), servo_);
+        while (simulation_.porosity() > enough && friction_ > lowest_friction) {
+            friction_ *= factor;
+            simulation_.set_law(preparation_law(options_, friction_));
+            for (int k = 0; k < 30 && simulation_.porosity() > enough; ++k) steer.advance(simulation_);
+            poll_();
+        }
+    }
+
+    Simulation& simulation_;
+    const PackingOptions& options_;
+    const ServoOptions& servo_;
+    const std::function<void()>& poll_;
+    double friction_ = high_friction;
+};
+
 }  // namespace
 
 void PackingOptions::validate() const {
@@ -115,7 +170,7 @@ void PackingOptions::validate() const {
 PackingResult make_packing(const PackingOptions& options, const std::function<bool()>& cancelled) {
     options.validate();
     const auto started = std::chrono::steady_clock::now();
-    const auto poll = [&] {
+    const std::function<void()> poll = [&] {
         if (cancelled && cancelled()) throw std::runtime_error("cancelled");
     };
     SimulationOptions how;
@@ -136,32 +191,17 @@ PackingResult make_packing(const PackingOptions& options, const std::function<bo
     servo.max_steps = 200'000;
     consolidate(simulation, options.stress, servo, cancelled);
 
-    // Lower the friction, a little at a time under constant stress, until the packing is dense enough.
-    // Coming to rest afterwards makes it denser by about a thousandth, so this stops a little early.
-    const double dense_enough = options.target_porosity + 0.6 * options.tolerance;
-    double friction = high_friction;
-    StressServo steer(Vector3d::Constant(options.stress), servo);
-    while (simulation.porosity() > dense_enough && friction > lowest_friction) {
-        friction *= 0.97;
-        simulation.set_law(preparation_law(options, friction));
-        for (int k = 0; k < 30 && simulation.porosity() > dense_enough; ++k)
-            steer.advance(simulation);
-        poll();
-    }
-    // Freeze the sliding and let the packing rest.
-    simulation.set_law(preparation_law(options, high_friction));
-    servo.unbalanced_ratio = 0.005;
-    const ServoSummary rest = consolidate(simulation, options.stress, servo, cancelled);
-
+    Densification way(simulation, options, servo, poll);
+    const bool rested = way.run();
     result.packing = simulation.packing();
     result.porosity = result.packing.porosity();
     result.reached = std::abs(result.porosity - options.target_porosity) <= options.tolerance;
     result.stress = simulation.measured().mean_stress;
     result.steps = simulation.steps();
     result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
-    result.stopped_by = !rest.converged  ? "no rest within the steps allowed"
+    result.stopped_by = !rested          ? "no rest within the steps allowed"
                         : result.reached ? "target porosity reached"
-                        : friction > lowest_friction
+                        : way.friction() > lowest_friction
                             ? "looser than friction can hold: the loosest packing"
                             : "denser than a packing without friction: the densest packing";
     return result;

@@ -82,7 +82,7 @@ double EnergyBalance::error() const {
 }
 
 Simulation::Simulation(const Packing& packing, const LinearCohesive& law, const SimulationOptions& options)
-    : law_(law), options_(options), kernel_(select_kernel()), cell_(packing.cell) {
+    : law_(law), options_(options), kernel_(&select_kernel()), cell_(packing.cell) {
     validate(packing);
     law.validate();
     options.validate();
@@ -236,7 +236,7 @@ void Simulation::contact_forces(ContactSums& sums, Measure measure) {
     a.shear_cohesion = law_.shear_cohesion;
     a.tension_range = law_.interaction_range - 1;
     a.fragile = law_.fragile;
-    kernel_.contacts[options_.free_rotation][static_cast<int>(measure)](a, sums);
+    kernel_->contacts[options_.free_rotation][static_cast<int>(measure)](a, sums);
 }
 
 void Simulation::integrate(IntegrateSums& sums, Measure measure) {
@@ -248,7 +248,7 @@ void Simulation::integrate(IntegrateSums& sums, Measure measure) {
     to_row_major(gradient_, a.velocity_gradient);
     a.dt = dt_;
     a.damping = options_.damping;
-    kernel_.integrate[options_.free_rotation][static_cast<int>(measure)](a, sums);
+    kernel_->integrate[options_.free_rotation][static_cast<int>(measure)](a, sums);
 }
 
 void Simulation::deform_cell() {

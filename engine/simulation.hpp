@@ -134,7 +134,7 @@ class Simulation {
 
     LinearCohesive law_;
     SimulationOptions options_;
-    const KernelTable& kernel_;
+    const KernelTable* kernel_;
     std::size_t count_ = 0;
     std::vector<std::int32_t> outside_;  // the caller's number of the particle kept at each place
     AlignedVector<ParticleRow> particles_;

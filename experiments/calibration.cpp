@@ -94,7 +94,7 @@ CalibrationRound compare(const Calibration& c, const TrainedEmulator& trained) {
     round.disagreement = std::sqrt(std::max(0.0, difference.dot(spread.ldlt().solve(difference))));
     round.limit =
         std::sqrt(boost::math::quantile(boost::math::chi_squared(static_cast<double>(m)), agreement));
-    round.emulator_share = c.fit.emulator_covariance.trace() / c.fit.covariance.trace();
+    round.emulator_share = c.fit.emulator_share;
     round.text = fmt::format(
         "{} runs: direct runs differ from the emulator by {:.1e} m/m, {:.2f} in units of their noise (limit "
         "{:.2f}); the emulator makes {:.0f} % of the residuals' variance",

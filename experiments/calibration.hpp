@@ -17,7 +17,7 @@ struct CalibrationRound {
     Eigen::Index runs = 0;      // that trained the emulator
     double disagreement = 0;    // Mahalanobis distance of the direct runs' mean from the emulator
     double limit = 0;           // of that distance: 99 % quantile if the emulator is right
-    double emulator_share = 0;  // of the variance of the residuals
+    double emulator_share = 0;  // of the variance of the residuals, mean over the posterior
     double difference = 0;      // rms of the direct runs' mean curve minus the emulator's, SI
     std::string text;
 };

@@ -54,10 +54,10 @@ class Likelihood {
         return out;
     }
 
-    MatrixXd covariance(const VectorXd& theta, MatrixXd* emulator_part = nullptr,
+    MatrixXd covariance(const VectorXd& theta, double* emulator_variance = nullptr,
                         VectorXd* mean = nullptr) const {
         const surrogate::CurvePrediction at = trained_.emulator.predict(theta.head(parameters()));
-        if (emulator_part) *emulator_part = at.emulator_covariance;
+        if (emulator_variance) *emulator_variance = at.emulator_covariance.trace();
         if (mean) *mean = at.mean + large_specimen(at.noise_covariance);
         MatrixXd c = at.emulator_covariance + observation_.packing_share * at.noise_covariance;
         c.diagonal() += measurement_variance(misfit(theta));
@@ -219,7 +219,15 @@ Fit fit(const TrainedEmulator& trained, const ParameterSpace& space, const Obser
     out.estimate = theta.head(d);
     out.misfit = likelihood.misfit(theta);
     out.log_posterior = value;
-    out.covariance = likelihood.covariance(theta, &out.emulator_covariance);
+    out.covariance = likelihood.covariance(theta);
+    // Where the posterior has two hills, the estimate stands on one of them only.
+    const Index draws = out.posterior.draws.rows(), looks = std::min<Index>(draws, 200);
+    for (Index k = 0; k < looks; ++k) {
+        double emulator = 0;
+        const VectorXd draw = out.posterior.draws.row(k * draws / looks).transpose();
+        const double all = likelihood.covariance(draw, &emulator).trace();
+        out.emulator_share += emulator / all / static_cast<double>(looks);
+    }
     return out;
 }
 

@@ -55,13 +55,13 @@ TrainedEmulator train_emulator(const std::vector<RunRecord>& runs, const Paramet
                                const Settings& settings);
 
 struct Fit {
-    Eigen::VectorXd estimate;             // [d] most probable coordinates in the unit cube
-    double misfit = 0;                    // sd of what the model cannot follow, at the estimate (SI)
-    double log_posterior = 0;             // at the estimate, up to a constant
-    optimizers::Posterior posterior;      // draws [n x d+1]: coordinates, then misfit's
-    Eigen::MatrixXd covariance;           // [m x m] of the residuals at the estimate, transformed scale
-    Eigen::MatrixXd emulator_covariance;  // [m x m] the emulator's part of it
-    optimizers::Summary global, local;    // of the search for the estimate
+    Eigen::VectorXd estimate;           // [d] most probable coordinates in the unit cube
+    double misfit = 0;                  // sd of what the model cannot follow, at the estimate (SI)
+    double log_posterior = 0;           // at the estimate, up to a constant
+    optimizers::Posterior posterior;    // draws [n x d+1]: coordinates, then misfit's
+    Eigen::MatrixXd covariance;         // [m x m] of the residuals at the estimate, transformed scale
+    double emulator_share = 0;          // of the residuals' variance, mean over the posterior's draws
+    optimizers::Summary global, local;  // of the search for the estimate
 };
 
 /// Global search (NLopt), least-squares refinement (Ceres) and posterior. Deterministic under the settings'
