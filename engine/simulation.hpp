@@ -152,6 +152,7 @@ class Simulation {
     Eigen::Matrix3d built_cell_ = Eigen::Matrix3d::Identity();
     Measurement measured_;
     EnergyBalance energy_;
+    double half_work_ = 0;  // half of the work of the last step (J), with options.energy_balance
     StepTimes* times_ = nullptr;
 };
 
