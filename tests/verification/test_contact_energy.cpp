@@ -88,7 +88,7 @@ TEST_P(ContactEnergy, TheEnergyOfAForceThatDoesNotDependOnThePathIsOneOfPosition
 // Disabled: the engine reports F_n^2 / (2 k_n) also on the plateau, a derivative of zero where the force is
 // -a_n. The energy of the force is F_n u - F_n^2 / (2 k_n) for the overlap u, on the spring and on the
 // plateau alike.
-TEST_P(ContactEnergy, DISABLED_ThePlateauOfLastingAdhesionHasTheEnergyOfItsForce) {
+TEST_P(ContactEnergy, ThePlateauOfLastingAdhesionHasTheEnergyOfItsForce) {
     // Between the gap a_n / k_n and the interaction range the tension is a_n and depends on the gap alone.
     law.normal_cohesion = 0.1 * series_stiffness(modulus, radius_0, radius_1) * reach / (radius_1 * radius_1);
     law.fragile = false;
