@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
@@ -60,7 +61,7 @@ int bench_twins(const Settings& given) {
     const ParameterSpace& space = campaign.space();
 
     std::vector<Index> columns;
-    Observation observation = observation_of(campaign, columns);
+    const Observation observation = observation_of(campaign, columns);
     const std::vector<RunRecord> training = training_runs(campaign);
 
     Eigen::MatrixXd u =
@@ -76,18 +77,25 @@ int bench_twins(const Settings& given) {
     }
     const std::vector<RunRecord> twins = campaign.run("twins", specs);
 
+    std::vector<Observation> observed(twins.size(), observation);
+    std::map<double, TrainedEmulator> trained;  // by scale: soils of like strains share one
+    for (std::size_t k = 0; k < twins.size(); ++k) {
+        if (!twins[k].ok) continue;
+        VectorXd& measured = observed[k].measured;
+        for (Index m = 0; m < measured.size(); ++m) {
+            const double y = twins[k].outputs[m], sd = std::hypot(relative_noise * y, absolute_noise);
+            measured[m] = y + sd * normal(settings.seed, 1000 * k + static_cast<std::uint64_t>(m));
+        }
+        const OutputTransform transform = transform_for(observed[k]);
+        if (!trained.contains(transform.scale))
+            trained.emplace(transform.scale, train_emulator(training, space, columns, transform, settings));
+    }
     std::vector<std::optional<Outcome>> outcomes(twins.size());
 #pragma omp parallel for schedule(dynamic)
     for (std::size_t k = 0; k < twins.size(); ++k) {
         if (!twins[k].ok) continue;
-        Observation mine = observation;
-        for (Index m = 0; m < mine.measured.size(); ++m) {
-            const double y = twins[k].outputs[m], sd = std::hypot(relative_noise * y, absolute_noise);
-            mine.measured[m] = y + sd * normal(settings.seed, 1000 * k + static_cast<std::uint64_t>(m));
-        }
-        const TrainedEmulator trained =
-            train_emulator(training, space, columns, transform_for(mine), settings);
-        const Fit found = fit(trained, space, mine, settings);
+        const Observation& mine = observed[k];
+        const Fit found = fit(trained.at(transform_for(mine).scale), space, mine, settings);
         outcomes[k] =
             Outcome{twins[k].spec.parameters, space.physical(found.estimate), summarise(campaign, found)};
     }
