@@ -42,16 +42,18 @@ TEST(Oedometer, HalvingTheRateMovesTheMeanCurveLittle) {
          {&slow.inertial_number, &slow.stress_change, &slow.strain_per_step, &slow.highest_inertial_number,
           &slow.least_strain_per_step, &slow.hold.inertial_number})
         *rate *= 0.5;
+    engine::LinearCohesive
+        rough;  // whose force chains seldom buckle: slippery packings scatter too much here
+    rough.friction_angle = 0.6;
     Eigen::VectorXd change = Eigen::VectorXd::Zero(5);
     constexpr int packings = 6;
     for (std::uint64_t seed = 1; seed <= packings; ++seed) {
         const engine::Packing specimen = packing(seed);
-        engine::Simulation one(specimen, {}, {}), two(specimen, {}, {});
-        change += (run_oedometer(two, {}, slow).strain - run_oedometer(one, {}, options).strain) / packings;
+        engine::Simulation one(specimen, rough, {}), two(specimen, rough, {});
+        change +=
+            (run_oedometer(two, rough, slow).strain - run_oedometer(one, rough, options).strain) / packings;
     }
-    // The rates' own effect is below 5e-4 (loam bench rate); six small packings scatter by about 6e-4.
-    EXPECT_LT(change.cwiseAbs().maxCoeff(), 2e-3) << change.transpose();
-    EXPECT_LT(std::abs(change.mean()), 1e-3) << change.transpose();
+    EXPECT_LT(change.cwiseAbs().maxCoeff(), 5e-4) << change.transpose();
 }
 
 TEST(Oedometer, SaysWhyAStageIsNotReached) {
