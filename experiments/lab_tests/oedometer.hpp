@@ -25,8 +25,9 @@ struct OedometerOptions {
     double least_strain_per_step = 8e-8;    // nor for the change of stress below this: rigid packings stick
                                             // and slip
     double strain_rate = 0;  // 1/s: when positive, used throughout instead, and no stage is held
-    // Every stage is held at its stress until the packing is at rest, as a laboratory does; so the strain
-    // that is read does not depend on the rate between the stages.
+    // Every stage is held at its stress until the packing is at rest, as a laboratory does: what inertia
+    // bears at the moment of passing is not read as strength. The way there still depends a little on the
+    // rate.
     engine::ServoOptions hold{
         .inertial_number = 3.5e-4, .stress_tolerance = 0.004, .unbalanced_ratio = 0.01, .max_steps = 200'000};
     int measure_every = 10;        // steps between looks at the stress and the rate
