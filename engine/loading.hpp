@@ -55,8 +55,8 @@ class StressServo {
 };
 
 /// Brings the packing to these normal stresses (Pa; NaN: the axis keeps its length) and to rest. `each` is
-/// called after every stretch with its measurement; a false answer ends it. Not converging within max_steps is
-/// reported, not thrown.
+/// called after every stretch with its measurement; a false answer ends it. Not converging within max_steps
+/// is reported, not thrown.
 ServoSummary hold_stress(Simulation& simulation, const Eigen::Vector3d& target, const ServoOptions& options,
                          const std::function<bool(const Measurement&)>& each = {});
 

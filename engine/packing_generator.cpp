@@ -6,6 +6,7 @@
 
 #include "engine/loading.hpp"
 #include "engine/packing.hpp"
+#include "engine/require.hpp"
 #include "engine/simulation.hpp"
 
 namespace loam::engine {
@@ -152,11 +153,6 @@ class Densification {
 }  // namespace
 
 void PackingOptions::validate() const {
-    const auto require = [](bool ok, const char* field, double value, const char* constraint) {
-        if (!ok)
-            throw std::invalid_argument(std::string(field) + " = " + std::to_string(value) + ": must be " +
-                                        constraint);
-    };
     require(particles >= 100 && particles <= 2'000'000, "particles", particles, "within 100..2000000");
     require(mean_radius > 0, "mean_radius", mean_radius, "positive (m)");
     require(size_spread >= 0 && size_spread <= 0.9, "size_spread", size_spread, "within 0..0.9");

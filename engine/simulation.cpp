@@ -4,27 +4,21 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 #include <string>
 
 #include "engine/kernel/kernel.hpp"
 #include "engine/neighbours.hpp"
+#include "engine/require.hpp"
 
 namespace loam::engine {
 namespace {
-
-constexpr double pi = 3.14159265358979323846;
 
 // Parts of the skin: how far particles may have moved between two looks at their true motion, and the true
 // motion at which the list is rebuilt.
 constexpr double check_fraction = 0.25;
 constexpr double rebuild_fraction = 0.7;
-
-void require(bool ok, const char* field, double value, const char* constraint) {
-    if (!ok)
-        throw std::invalid_argument(std::string(field) + " = " + std::to_string(value) + ": must be " +
-                                    constraint);
-}
 
 void to_row_major(const Eigen::Matrix3d& m, double (&out)[9]) {
     for (int p = 0; p < 3; ++p)
@@ -52,20 +46,6 @@ class Stopwatch {
 
 }  // namespace
 
-void LinearCohesive::validate() const {
-    require(std::isfinite(young_modulus) && young_modulus > 0, "young_modulus", young_modulus,
-            "a positive number (Pa)");
-    require(stiffness_ratio >= 0 && stiffness_ratio <= 2, "stiffness_ratio", stiffness_ratio, "within 0..2");
-    require(friction_angle >= 0 && friction_angle < 0.5 * pi, "friction_angle", friction_angle,
-            "within 0..pi/2 (rad)");
-    require(std::isfinite(normal_cohesion) && normal_cohesion >= 0, "normal_cohesion", normal_cohesion,
-            ">= 0 (Pa)");
-    require(std::isfinite(shear_cohesion) && shear_cohesion >= 0, "shear_cohesion", shear_cohesion,
-            ">= 0 (Pa)");
-    require(interaction_range >= 1 && interaction_range <= 2, "interaction_range", interaction_range,
-            "within 1..2");
-}
-
 void SimulationOptions::validate() const {
     require(damping >= 0 && damping < 1, "damping", damping, "within 0..1 (below 1)");
     require(std::isfinite(grain_density) && grain_density > 0, "grain_density", grain_density,
@@ -81,7 +61,7 @@ double EnergyBalance::error() const {
     return scale > 0 ? std::abs(work - sliding - damping - change) / scale : 0.0;
 }
 
-Simulation::Simulation(const Packing& packing, const LinearCohesive& law, const SimulationOptions& options)
+Simulation::Simulation(const Packing& packing, const ContactLaw& law, const SimulationOptions& options)
     : law_(law), options_(options), kernel_(&select_kernel()), cell_(packing.cell) {
     validate(packing);
     law.validate();
@@ -94,7 +74,7 @@ Simulation::Simulation(const Packing& packing, const LinearCohesive& law, const 
     double smallest = packing.radii[0], largest = smallest, sum = 0;
     for (std::size_t p = 0; p < count_; ++p) {
         const auto at = static_cast<Eigen::Index>(outside_[p]);
-        const double r = packing.radii[at], volume = 4.0 / 3.0 * pi * r * r * r,
+        const double r = packing.radii[at], volume = 4.0 / 3.0 * std::numbers::pi * r * r * r,
                      mass = volume * options_.grain_density;
         const Eigen::Vector3d x = packing.centres.col(at);
         particles_[p] = {{x.x(), x.y(), x.z()}, r, {0, 0, 0}, 1.0 / mass};
@@ -115,7 +95,7 @@ Simulation::Simulation(const Packing& packing, const LinearCohesive& law, const 
     drift_since_check_ = 1e300;  // forces the first rebuild
 }
 
-void Simulation::set_law(const LinearCohesive& law) {
+void Simulation::set_law(const ContactLaw& law) {
     law.validate();
     law_ = law;
     set_time_step();
@@ -124,7 +104,7 @@ void Simulation::set_law(const LinearCohesive& law) {
 /// The time of a p-wave across the smallest particle, times the safety factor (Smilauer et al. 2015).
 void Simulation::set_time_step() {
     dt_ = options_.time_step_safety * 0.5 * smallest_diameter_ *
-          std::sqrt(options_.grain_density / law_.young_modulus);
+          std::sqrt(options_.grain_density / law_.young_modulus());
 }
 
 double Simulation::volume() const {
@@ -229,13 +209,14 @@ void Simulation::contact_forces(ContactSums& sums, Measure measure) {
     a.bond = pairs_.bond.data();
     to_row_major(gradient_, a.velocity_gradient);
     a.dt = dt_;
-    a.normal_modulus = 2 * law_.young_modulus;
-    a.stiffness_ratio = law_.stiffness_ratio;
-    a.friction_coefficient = std::tan(law_.friction_angle);
-    a.normal_cohesion = law_.normal_cohesion;
-    a.shear_cohesion = law_.shear_cohesion;
-    a.tension_range = law_.interaction_range - 1;
-    a.fragile = law_.fragile;
+    const auto& law = std::get<LinearCohesive>(law_.base);
+    a.normal_modulus = 2 * law.young_modulus;
+    a.stiffness_ratio = law.stiffness_ratio;
+    a.friction_coefficient = std::tan(law.friction_angle);
+    a.normal_cohesion = law.normal_cohesion;
+    a.shear_cohesion = law.shear_cohesion;
+    a.tension_range = law.interaction_range - 1;
+    a.fragile = law.fragile;
     kernel_->contacts[options_.free_rotation][static_cast<int>(measure)](a, sums);
 }
 
@@ -328,10 +309,12 @@ std::vector<ContactView> Simulation::contacts() const {
                           &b = particles_[static_cast<std::size_t>(pairs_.j[k])];
         const Eigen::Vector3d branch = Eigen::Vector3d(b.x[0] - a.x[0], b.x[1] - a.x[1], b.x[2] - a.x[2]) +
                                        cell_ * Eigen::Vector3d(n / 9 - 1, (n / 3) % 3 - 1, n % 3 - 1);
-        const double stiffness = 2 * law_.young_modulus * pairs_.stiffness_length[k];
+        const double stiffness = 2 * law_.young_modulus() * pairs_.stiffness_length[k];
         // No more tension than the bond holds, on the plateau of one that lasts or where the last step tore
         // it.
-        const double adhesion = pairs_.bond[k] == bond_cohesive ? law_.normal_cohesion * pairs_.area[k] : 0.0;
+        const double adhesion = pairs_.bond[k] == bond_cohesive
+                                    ? std::get<LinearCohesive>(law_.base).normal_cohesion * pairs_.area[k]
+                                    : 0.0;
         const double force = std::max(stiffness * (pairs_.radius_sum[k] - branch.norm()), -adhesion);
         const Eigen::Vector3d shear(pairs_.shear[0][k], pairs_.shear[1][k], pairs_.shear[2][k]);
         ContactView view{outside_[static_cast<std::size_t>(pairs_.i[k])],

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 
+#include "engine/contact/contact_law.hpp"
 #include "engine/neighbours.hpp"
 #include "engine/packing.hpp"
 #include "engine/state.hpp"
@@ -16,19 +17,6 @@ struct KernelTable;
 struct ContactSums;
 struct IntegrateSums;
 enum class Measure;
-
-/// Parameters of the law `linear-cohesive` (De Pue et al. 2019, eqs 1-7; see contact/linear_cohesive.hpp).
-struct LinearCohesive {
-    double young_modulus = 3.1622776601683795e8;  // E (Pa): k_n = 2 E R for each particle, two in series
-    double stiffness_ratio = 0.4;                 // k_t / k_n
-    double friction_angle = 0.31;                 // rad
-    double normal_cohesion = 1e5;                 // C_n (Pa)
-    double shear_cohesion = 1e5;                  // C_t (Pa)
-    bool fragile = true;             // cohesion is lost when its limit is passed, renewed on touching again
-    double interaction_range = 1.5;  // distance over R_i + R_j up to which tension can act
-
-    void validate() const;  // throws std::invalid_argument naming field, value, constraint
-};
 
 struct SimulationOptions {
     bool free_rotation = false;
@@ -83,7 +71,7 @@ class Simulation {
   public:
     /// Contacts start without shear force and with fresh cohesion. Throws std::invalid_argument on invalid
     /// input.
-    Simulation(const Packing& packing, const LinearCohesive& law, const SimulationOptions& options);
+    Simulation(const Packing& packing, const ContactLaw& law, const SimulationOptions& options);
 
     /// Advances `steps` >= 1 steps and measures the last. Throws std::runtime_error when the state is no
     /// longer finite, an overlap exceeds half of a radius sum, or the cell collapses.
@@ -92,7 +80,7 @@ class Simulation {
     void set_velocity_gradient(const Eigen::Matrix3d& gradient) { gradient_ = gradient; }
     const Eigen::Matrix3d& velocity_gradient() const { return gradient_; }
     /// Changes the parameters; contacts keep their history, the time step follows the modulus.
-    void set_law(const LinearCohesive& law);
+    void set_law(const ContactLaw& law);
 
     /// Velocities relative to the mean field [3 x n] (m/s); they start at zero.
     void set_velocities(const Eigen::Matrix3Xd& velocities);
@@ -132,7 +120,7 @@ class Simulation {
     void record(const ContactSums& contacts, const IntegrateSums& motion);
     void balance_energy(const ContactSums& contacts, const IntegrateSums& motion, Measure measure);
 
-    LinearCohesive law_;
+    ContactLaw law_;
     SimulationOptions options_;
     const KernelTable* kernel_;
     std::size_t count_ = 0;

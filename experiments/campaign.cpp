@@ -130,7 +130,7 @@ RunRecord Campaign::simulate(const RunSpec& spec, const StopToken& stop) {
     record.ok = true;
     for (const CampaignTest& test : tests_) {
         const engine::Packing packing = packing_of(test, spec, stop);
-        const engine::LinearCohesive law = contact_law(settings_, *space_.law, spec.parameters);
+        const engine::ContactLaw law = contact_law(settings_, *space_.law, spec.parameters);
         VirtualTestResult result = test.kind->run(packing, law, settings_, grain_density_, *test.test, [&] {
             stop.throw_if_requested();
             return false;

@@ -71,7 +71,7 @@ ParameterSpace parameter_space(const Settings& settings) {
     return space;
 }
 
-engine::LinearCohesive contact_law(const Settings& settings, const engine::LawInfo& law,
+engine::ContactLaw contact_law(const Settings& settings, const engine::LawInfo& law,
                                    const Eigen::VectorXd& physical) {
     const auto value = [&](std::string_view name) {
         const auto at = std::find_if(law.parameters.begin(), law.parameters.end(),

@@ -38,7 +38,7 @@ struct ParameterSpace {
 ParameterSpace parameter_space(const Settings& settings);
 
 /// The contact law with these parameters (SI, in the order of the law's table).
-engine::LinearCohesive contact_law(const Settings& settings, const engine::LawInfo& law,
+engine::ContactLaw contact_law(const Settings& settings, const engine::LawInfo& law,
                                    const Eigen::VectorXd& physical);
 
 }  // namespace loam::experiments

@@ -154,18 +154,17 @@ void OedometerOptions::validate() const {
         throw std::invalid_argument("largest_strain: must be within 0..0.9");
 }
 
-OedometerResult run_oedometer(Simulation& simulation, const engine::LinearCohesive& law,
+OedometerResult run_oedometer(Simulation& simulation, const engine::ContactLaw& law,
                               const OedometerOptions& options, const std::function<bool()>& cancelled) {
     options.validate();
     OedometerResult result;
     const auto stages = static_cast<Eigen::Index>(options.stages.size());
     result.strain = Eigen::VectorXd::Constant(stages, none);
     if (options.seating_stiffness > 0) {
-        engine::LinearCohesive softer = law;
-        softer.young_modulus = options.seating_stiffness * options.isotropic_stress;
         // Stiffening scales all forces at once; small factors let the packing expand without coming apart.
-        for (; softer.young_modulus < law.young_modulus; softer.young_modulus *= 4) {
-            simulation.set_law(softer);
+        for (double modulus = options.seating_stiffness * options.isotropic_stress;
+             modulus < law.young_modulus(); modulus *= 4) {
+            simulation.set_law(law.with_young_modulus(modulus));
             consolidate(simulation, options.isotropic_stress, options.servo, cancelled);
         }
     }

@@ -61,7 +61,7 @@ struct OedometerResult {
 /// Runs the test on the simulation, which must hold the packing with the contact parameters of the test.
 /// Source of the procedure: De Pue et al. 2019, section 2.2.2. `cancelled` is polled and makes it throw
 /// std::runtime_error.
-OedometerResult run_oedometer(engine::Simulation& simulation, const engine::LinearCohesive& law,
+OedometerResult run_oedometer(engine::Simulation& simulation, const engine::ContactLaw& law,
                               const OedometerOptions& options, const std::function<bool()>& cancelled = {});
 
 // The entries of the table of lab tests (registry.hpp). The reading at the seating stress, where strain is
@@ -69,11 +69,11 @@ OedometerResult run_oedometer(engine::Simulation& simulation, const engine::Line
 // log stress.
 std::vector<std::size_t> oedometer_readings(const lab_data::Test& test);
 std::vector<OutputColumn> oedometer_outputs(const lab_data::Test& test);
-VirtualTestResult run_measured_oedometer(const engine::Packing& packing, const engine::LinearCohesive& law,
+VirtualTestResult run_measured_oedometer(const engine::Packing& packing, const engine::ContactLaw& law,
                                          const Settings& settings, double grain_density,
                                          const lab_data::Test& test, const std::function<bool()>& cancelled);
 
-PictureOfTest picture_of_oedometer(const engine::Packing& packing, const engine::LinearCohesive& law,
+PictureOfTest picture_of_oedometer(const engine::Packing& packing, const engine::ContactLaw& law,
                                    const Settings& settings, double grain_density,
                                    const lab_data::Test& test);
 

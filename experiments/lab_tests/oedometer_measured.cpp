@@ -76,7 +76,7 @@ std::vector<OutputColumn> oedometer_outputs(const lab_data::Test& test) {
     return columns;
 }
 
-VirtualTestResult run_measured_oedometer(const engine::Packing& packing, const engine::LinearCohesive& law,
+VirtualTestResult run_measured_oedometer(const engine::Packing& packing, const engine::ContactLaw& law,
                                          const Settings& settings, double grain_density,
                                          const lab_data::Test& test, const std::function<bool()>& cancelled) {
     engine::Simulation simulation(packing, law, simulation_options(settings, grain_density, true));
@@ -95,7 +95,7 @@ VirtualTestResult run_measured_oedometer(const engine::Packing& packing, const e
     return result;
 }
 
-PictureOfTest picture_of_oedometer(const engine::Packing& packing, const engine::LinearCohesive& law,
+PictureOfTest picture_of_oedometer(const engine::Packing& packing, const engine::ContactLaw& law,
                                    const Settings& settings, double grain_density,
                                    const lab_data::Test& test) {
     OedometerOptions options = oedometer_options(settings, test);

@@ -44,11 +44,11 @@ struct LabTestKind {
     /// One column for each of those readings.
     std::vector<OutputColumn> (*outputs)(const lab_data::Test&);
     /// Runs the test on the packing; throws what the engine throws, and std::runtime_error when cancelled.
-    VirtualTestResult (*run)(const engine::Packing&, const engine::LinearCohesive&, const Settings&,
+    VirtualTestResult (*run)(const engine::Packing&, const engine::ContactLaw&, const Settings&,
                              double grain_density, const lab_data::Test&,
                              const std::function<bool()>& cancelled);
     /// The packing under the highest stress of the test.
-    PictureOfTest (*picture)(const engine::Packing&, const engine::LinearCohesive&, const Settings&,
+    PictureOfTest (*picture)(const engine::Packing&, const engine::ContactLaw&, const Settings&,
                              double grain_density, const lab_data::Test&);
 };
 

@@ -23,13 +23,12 @@ struct Speed {
 
 /// Stiffens the contacts by steps at the stress of the packing, as an oedometer test seats its specimen.
 void seat(engine::Simulation& simulation, const engine::PackingOptions& packing) {
-    const engine::LinearCohesive law;
-    engine::LinearCohesive softer = law;
+    const engine::ContactLaw law;
     engine::ServoOptions servo;
     servo.max_steps = 20'000;
-    for (softer.young_modulus = packing.stiffness_ratio * packing.stress;
-         softer.young_modulus < law.young_modulus; softer.young_modulus *= 4) {
-        simulation.set_law(softer);
+    for (double modulus = packing.stiffness_ratio * packing.stress; modulus < law.young_modulus();
+         modulus *= 4) {
+        simulation.set_law(law.with_young_modulus(modulus));
         engine::consolidate(simulation, packing.stress, servo);
     }
     simulation.set_law(law);
@@ -70,7 +69,7 @@ int bench_engine(const Settings& settings) {
             for (const bool rotation : {false, true}) {
                 engine::SimulationOptions how;
                 how.free_rotation = rotation;
-                engine::Simulation simulation(packing, engine::LinearCohesive{}, how);
+                engine::Simulation simulation(packing, engine::ContactLaw{}, how);
                 if (at_rest) seat(simulation, options);
                 const Speed speed = measure_speed(simulation, at_rest ? 6e-7 : 2e-6,
                                                   std::max(400, static_cast<int>(14'000'000 / particles)));

@@ -17,7 +17,7 @@ namespace {
 constexpr Eigen::Index soils = 24;
 constexpr std::uint64_t packings = 8;
 
-Eigen::VectorXd run_at(const engine::Packing& packing, const engine::LinearCohesive& law, double factor,
+Eigen::VectorXd run_at(const engine::Packing& packing, const engine::ContactLaw& law, double factor,
                        const Settings& settings, const lab_data::Test& test) {
     engine::SimulationOptions how;
     how.damping = settings.engine.damping;
@@ -60,7 +60,7 @@ int bench_rate(const Settings& settings) {
         const auto at = static_cast<std::size_t>(k);
         const auto specimen =
             pool.get(0.47, static_cast<std::uint32_t>(settings.particles), 1 + at % packings, {});
-        const engine::LinearCohesive law = contact_law(
+        const engine::ContactLaw law = contact_law(
             settings, *space.law, space.physical(x.row(k / static_cast<int>(packings)).transpose()));
         full[at] = run_at(specimen->packing, law, 1, settings, test);
         half[at] = run_at(specimen->packing, law, 0.5, settings, test);
