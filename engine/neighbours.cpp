@@ -129,11 +129,13 @@ void fill_pairs(const RebuildBuffers& b, const AlignedVector<ParticleRow>& parti
         const double r = particles[static_cast<std::size_t>(pair.i)].radius;
         const double s = particles[static_cast<std::size_t>(pair.j)].radius;
         out.radius_sum[k] = r + s;
-        out.stiffness_length[k] = r * s / (r + s);
+        out.reduced_radius[k] = r * s / (r + s);
         out.area[k] = std::min(r, s) * std::min(r, s);
         const std::size_t at = b.bond_of[b.order[k]];
         for (std::size_t q = 0; q < 3; ++q) out.shear[q][k] = at == no_bond ? 0.0 : old.shear[q][at];
         out.bond[k] = at == no_bond ? bond_none : old.bond[at];
+        for (std::size_t q = 0; q < out.further.size(); ++q)
+            out.further[q][k] = at == no_bond ? 0.0 : old.further[q][at];
     }
     for (std::size_t k = out.count; k < out.padded(); ++k) {  // the two dummies, a metre apart, never touch
         out.i[k] = static_cast<std::int32_t>(count);
@@ -142,9 +144,10 @@ void fill_pairs(const RebuildBuffers& b, const AlignedVector<ParticleRow>& parti
         out.row_j[k] = row_offset(out.j[k]);
         out.image[k] = image_home;
         out.radius_sum[k] = 1e-3;  // what is divided by must not be zero
-        out.stiffness_length[k] = 1.0;
+        out.reduced_radius[k] = 1.0;
         out.area[k] = out.shear[0][k] = out.shear[1][k] = out.shear[2][k] = 0.0;
         out.bond[k] = bond_none;
+        for (auto& values : out.further) values[k] = 0.0;
     }
 }
 
@@ -155,8 +158,9 @@ void PairList::resize_padded(std::size_t n) {
     const std::size_t padded_size = (n + 7) / 8 * 8;
     for (auto* a : {&i, &j, &image}) a->resize(padded_size);
     for (auto* a : {&row_i, &row_j}) a->resize(padded_size);
-    for (auto* a : {&radius_sum, &stiffness_length, &area, &shear[0], &shear[1], &shear[2], &bond})
+    for (auto* a : {&radius_sum, &reduced_radius, &area, &shear[0], &shear[1], &shear[2], &bond})
         a->resize(padded_size);
+    for (auto& values : further) values.resize(padded_size);
 }
 
 std::size_t PairList::within_reach(double motion) const {
@@ -176,6 +180,7 @@ void rebuild_pairs(PairList& pairs, RebuildBuffers& buffers, AlignedVector<Parti
     const Matrix3d inverse = cell.inverse();
     const double largest = wrap(particles, count, cell, inverse, buffers.moved);
     std::swap(pairs, buffers.old);
+    pairs.further.resize(buffers.old.further.size());
     collect_bonds(buffers.old, count, buffers);
     buffers.grid.fill(particles, count, inverse, 2 * largest * (1 + skin));
     std::size_t found = buffers.grid.find_pairs(cell, skin, buffers.near);

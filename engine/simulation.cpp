@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "engine/contact/composition.hpp"
 #include "engine/kernel/kernel.hpp"
 #include "engine/neighbours.hpp"
 #include "engine/require.hpp"
@@ -52,6 +53,8 @@ void SimulationOptions::validate() const {
             "positive (kg/m3)");
     require(time_step_safety > 0 && time_step_safety <= 1.5, "time_step_safety", time_step_safety,
             "within 0..1.5");
+    require(largest_overlap >= 0 && largest_overlap <= 0.5, "largest_overlap", largest_overlap,
+            "within 0..0.5");
     require(neighbour_skin > 0 && neighbour_skin <= 0.5, "neighbour_skin", neighbour_skin, "within 0..0.5");
 }
 
@@ -62,10 +65,10 @@ double EnergyBalance::error() const {
 }
 
 Simulation::Simulation(const Packing& packing, const ContactLaw& law, const SimulationOptions& options)
-    : law_(law), options_(options), kernel_(&select_kernel()), cell_(packing.cell) {
+    : options_(options), kernel_(&select_kernel()), cell_(packing.cell) {
     validate(packing);
-    law.validate();
     options.validate();
+    time_step_overlap_ = options.largest_overlap > 0 ? options.largest_overlap : 0.02;
     count_ = static_cast<std::size_t>(packing.radii.size());
     outside_ = locality_order(packing);
     particles_.resize(count_ + 2);  // and two dummies, which fill the last block of pairs
@@ -91,20 +94,32 @@ Simulation::Simulation(const Packing& packing, const ContactLaw& law, const Simu
     mean_diameter_ = 2 * sum / static_cast<double>(count_);
     smallest_diameter_ = 2 * smallest;
     largest_diameter_ = 2 * largest;
-    set_time_step();
+    set_law(law);
     drift_since_check_ = 1e300;  // forces the first rebuild
 }
 
 void Simulation::set_law(const ContactLaw& law) {
-    law.validate();
+    composition_ = compose(law, options_.grain_density, options_.free_rotation);
     law_ = law;
+    pairs_.further.resize(composition_.history);
+    for (auto& values : pairs_.further) values.resize(pairs_.padded());  // new history starts at zero
     set_time_step();
 }
 
 /// The time of a p-wave across the smallest particle, times the safety factor (Smilauer et al. 2015).
 void Simulation::set_time_step() {
     dt_ = options_.time_step_safety * 0.5 * smallest_diameter_ *
-          std::sqrt(options_.grain_density / law_.young_modulus());
+          std::sqrt(options_.grain_density / wave_modulus(law_, time_step_overlap_));
+}
+
+/// Hertzian contacts stiffen with their overlap: the time step is made for twice the largest one, and made
+/// anew when that has been passed or has become far too large.
+void Simulation::follow_stiffness() {
+    if (!stiffens(law_) || options_.largest_overlap > 0 || measured_.contacts == 0) return;
+    const double wanted = std::clamp(2 * measured_.max_overlap, 1e-7, 0.5);
+    if (1.5 * measured_.max_overlap < time_step_overlap_ && time_step_overlap_ < 4 * wanted) return;
+    time_step_overlap_ = wanted;
+    set_time_step();
 }
 
 double Simulation::volume() const {
@@ -124,6 +139,7 @@ const Measurement& Simulation::advance(int steps) {
     if (measured_.max_overlap > 0.5)
         throw std::runtime_error(
             "particles overlap by more than half of their size: the contacts are too soft");
+    follow_stiffness();
     return measured_;
 }
 
@@ -201,7 +217,7 @@ void Simulation::contact_forces(ContactSums& sums, Measure measure) {
     a.row_j = pairs_.row_j.data();
     a.image = pairs_.image.data();
     a.radius_sum = pairs_.radius_sum.data();
-    a.stiffness_length = pairs_.stiffness_length.data();
+    a.reduced_radius = pairs_.reduced_radius.data();
     a.area = pairs_.area.data();
     a.shear_x = pairs_.shear[0].data();
     a.shear_y = pairs_.shear[1].data();
@@ -209,15 +225,10 @@ void Simulation::contact_forces(ContactSums& sums, Measure measure) {
     a.bond = pairs_.bond.data();
     to_row_major(gradient_, a.velocity_gradient);
     a.dt = dt_;
-    const auto& law = std::get<LinearCohesive>(law_.base);
-    a.normal_modulus = 2 * law.young_modulus;
-    a.stiffness_ratio = law.stiffness_ratio;
-    a.friction_coefficient = std::tan(law.friction_angle);
-    a.normal_cohesion = law.normal_cohesion;
-    a.shear_cohesion = law.shear_cohesion;
-    a.tension_range = law.interaction_range - 1;
-    a.fragile = law.fragile;
-    kernel_->contacts[options_.free_rotation][static_cast<int>(measure)](a, sums);
+    a.law = composition_.numbers;
+    for (std::size_t q = 0; q < pairs_.further.size(); ++q) a.further[q] = pairs_.further[q].data();
+    kernel_->contacts[composition_.base][static_cast<int>(composition_.turning)][static_cast<int>(measure)](
+        a, sums);
 }
 
 void Simulation::integrate(IntegrateSums& sums, Measure measure) {
@@ -283,6 +294,24 @@ Eigen::Matrix3Xd Simulation::velocities() const {
     return out;
 }
 
+void Simulation::set_spins(const Eigen::Matrix3Xd& spins) {
+    if (!options_.free_rotation) throw std::invalid_argument("spins: rotations are blocked");
+    if (spins.cols() != static_cast<Eigen::Index>(count_) || !spins.allFinite())
+        throw std::invalid_argument("spins: one finite column for each particle is needed");
+    for (std::size_t p = 0; p < count_; ++p)
+        for (int k = 0; k < 3; ++k) {
+            spins_[p].spin[k] = spins(k, outside_[p]);
+            spins_[p].radius_spin[k] = particles_[p].radius * spins_[p].spin[k];
+        }
+}
+
+Eigen::Matrix3Xd Simulation::spins() const {
+    Eigen::Matrix3Xd out = Eigen::Matrix3Xd::Zero(3, static_cast<Eigen::Index>(count_));
+    for (std::size_t p = 0; p < spins_.size() && p < count_; ++p)
+        for (int k = 0; k < 3; ++k) out(k, outside_[p]) = spins_[p].spin[k];
+    return out;
+}
+
 Packing Simulation::packing() const {
     Packing out;
     out.cell = cell_;
@@ -309,13 +338,9 @@ std::vector<ContactView> Simulation::contacts() const {
                           &b = particles_[static_cast<std::size_t>(pairs_.j[k])];
         const Eigen::Vector3d branch = Eigen::Vector3d(b.x[0] - a.x[0], b.x[1] - a.x[1], b.x[2] - a.x[2]) +
                                        cell_ * Eigen::Vector3d(n / 9 - 1, (n / 3) % 3 - 1, n % 3 - 1);
-        const double stiffness = 2 * law_.young_modulus() * pairs_.stiffness_length[k];
-        // No more tension than the bond holds, on the plateau of one that lasts or where the last step tore
-        // it.
-        const double adhesion = pairs_.bond[k] == bond_cohesive
-                                    ? std::get<LinearCohesive>(law_.base).normal_cohesion * pairs_.area[k]
-                                    : 0.0;
-        const double force = std::max(stiffness * (pairs_.radius_sum[k] - branch.norm()), -adhesion);
+        const Touch<double> pair{pairs_.radius_sum[k] - branch.norm(), pairs_.radius_sum[k],
+                                 b.radius - a.radius, pairs_.reduced_radius[k], pairs_.area[k]};
+        const double force = normal_force(composition_, pair, pairs_.bond[k]);
         const Eigen::Vector3d shear(pairs_.shear[0][k], pairs_.shear[1][k], pairs_.shear[2][k]);
         ContactView view{outside_[static_cast<std::size_t>(pairs_.i[k])],
                          outside_[static_cast<std::size_t>(pairs_.j[k])], branch, force, shear};

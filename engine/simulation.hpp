@@ -6,17 +6,12 @@
 #include <Eigen/Core>
 #include <cstdint>
 
-#include "engine/contact/contact_law.hpp"
+#include "engine/contact/composition.hpp"
 #include "engine/neighbours.hpp"
 #include "engine/packing.hpp"
 #include "engine/state.hpp"
 
 namespace loam::engine {
-
-struct KernelTable;
-struct ContactSums;
-struct IntegrateSums;
-enum class Measure;
 
 struct SimulationOptions {
     bool free_rotation = false;
@@ -24,7 +19,9 @@ struct SimulationOptions {
     double grain_density = 2600.0;  // kg/m³
     double time_step_safety = 0.7;  // over the p-wave estimate min R sqrt(rho/E)
     double neighbour_skin = 0.06;   // gap over R_i + R_j up to which a pair is listed
-    bool energy_balance = false;    // measure every step, to integrate work and dissipation
+    // Overlap over R_i + R_j that the time step of Hertzian contacts is made for; 0: follows the packing.
+    double largest_overlap = 0;
+    bool energy_balance = false;  // measure every step, to integrate work and dissipation
 
     void validate() const;
 };
@@ -85,6 +82,10 @@ class Simulation {
     /// Velocities relative to the mean field [3 x n] (m/s); they start at zero.
     void set_velocities(const Eigen::Matrix3Xd& velocities);
     Eigen::Matrix3Xd velocities() const;
+    /// Angular velocities [3 x n] (rad/s), about fixed axes; only with free rotation, where they start at
+    /// zero.
+    void set_spins(const Eigen::Matrix3Xd& spins);
+    Eigen::Matrix3Xd spins() const;
 
     const Measurement& measured() const { return measured_; }
     const EnergyBalance& energy() const { return energy_; }
@@ -110,6 +111,7 @@ class Simulation {
 
   private:
     void set_time_step();
+    void follow_stiffness();
     void step(Measure measure);
     void update_neighbours();
     double drift_since_build() const;
@@ -121,6 +123,7 @@ class Simulation {
     void balance_energy(const ContactSums& contacts, const IntegrateSums& motion, Measure measure);
 
     ContactLaw law_;
+    Composition composition_;
     SimulationOptions options_;
     const KernelTable* kernel_;
     std::size_t count_ = 0;
@@ -132,6 +135,7 @@ class Simulation {
     RebuildBuffers rebuild_buffers_;
     std::size_t reachable_ = 0;  // pairs from the first that may have met since the last rebuild
     Eigen::Matrix3d cell_, gradient_ = Eigen::Matrix3d::Zero();
+    double time_step_overlap_ = 0;  // over R_i + R_j, that the time step is made for
     double dt_ = 0, solid_volume_ = 0, mean_diameter_ = 0, smallest_diameter_ = 0, largest_diameter_ = 0;
     std::uint64_t steps_ = 0, rebuilds_ = 0;
     double drift_since_check_ = 0;  // bound on relative motion since positions were last compared (m)

@@ -10,6 +10,8 @@
 #include <new>
 #include <vector>
 
+#include "engine/contact/law_numbers.hpp"
+
 namespace loam::engine {
 
 /// Allocator with the alignment of a cache line, for rows and vector loads.
@@ -49,11 +51,6 @@ struct alignas(64) ForceRow {
 /// All rows have this size, so that one offset finds a particle in every array.
 inline constexpr std::size_t row_bytes = 64;
 
-/// Bond states of a pair; kept as doubles because the contact loop blends them with forces.
-inline constexpr double bond_none = 0.0;      // apart
-inline constexpr double bond_broken = 1.0;    // touching, cohesion lost
-inline constexpr double bond_cohesive = 2.0;  // touching, cohesion active (also where the cohesion is zero)
-
 /// Sections of the pair list: pairs that touch, then pairs by the size of their gap when the list was made.
 inline constexpr int gap_sections = 17;
 
@@ -64,15 +61,16 @@ std::int32_t gap_section(double closeness, double skin);
 /// ordered by sections, so that pairs which cannot have met yet are left out and those that touch fill whole
 /// groups.
 struct PairList {
-    std::size_t count = 0;                      // without padding
-    AlignedVector<std::int32_t> i, j;           // particles, i < j
-    AlignedVector<std::int32_t> image;          // which copy of j: index into the table of 27 cell shifts
-    AlignedVector<std::uint32_t> row_i, row_j;  // where their rows start (bytes)
-    AlignedVector<double> radius_sum;           // R_i + R_j (m)
-    AlignedVector<double> stiffness_length;     // R_i R_j / (R_i + R_j) (m): stiffness is modulus times this
-    AlignedVector<double> area;                 // min(R_i, R_j)² (m²): adhesion is cohesion times this
-    AlignedVector<double> shear[3];             // shear force on i (N): the contact's history
-    AlignedVector<double> bond;                 // one of the bond states: the rest of its history
+    std::size_t count = 0;                       // without padding
+    AlignedVector<std::int32_t> i, j;            // particles, i < j
+    AlignedVector<std::int32_t> image;           // which copy of j: index into the table of 27 cell shifts
+    AlignedVector<std::uint32_t> row_i, row_j;   // where their rows start (bytes)
+    AlignedVector<double> radius_sum;            // R_i + R_j (m)
+    AlignedVector<double> reduced_radius;        // R_i R_j / (R_i + R_j) (m)
+    AlignedVector<double> area;                  // min(R_i, R_j)² (m²): adhesion is cohesion times this
+    AlignedVector<double> shear[3];              // shear force on i (N): the contact's history
+    AlignedVector<double> bond;                  // bond state, or what the law keeps in its place
+    std::vector<AlignedVector<double>> further;  // history that sub-models of the law declare
 
     std::size_t padded() const { return i.size(); }
     void resize_padded(std::size_t n);

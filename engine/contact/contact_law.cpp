@@ -7,18 +7,54 @@
 
 namespace loam::engine {
 
-void LinearCohesive::validate() const {
+namespace {
+
+void require_modulus(double young_modulus) {
     require(std::isfinite(young_modulus) && young_modulus > 0, "young_modulus", young_modulus,
             "a positive number (Pa)");
-    require(stiffness_ratio >= 0 && stiffness_ratio <= 2, "stiffness_ratio", stiffness_ratio, "within 0..2");
-    require(friction_angle >= 0 && friction_angle < 0.5 * std::numbers::pi, "friction_angle", friction_angle,
-            "within 0..pi/2 (rad)");
+}
+
+void require_friction_angle(double angle) {
+    require(angle >= 0 && angle < 0.5 * std::numbers::pi, "friction_angle", angle, "within 0..pi/2 (rad)");
+}
+
+void require_stiffness_ratio(double ratio) {
+    require(ratio >= 0 && ratio <= 2, "stiffness_ratio", ratio, "within 0..2");
+}
+
+}  // namespace
+
+void LinearCohesive::validate() const {
+    require_modulus(young_modulus);
+    require_stiffness_ratio(stiffness_ratio);
+    require_friction_angle(friction_angle);
     require(std::isfinite(normal_cohesion) && normal_cohesion >= 0, "normal_cohesion", normal_cohesion,
             ">= 0 (Pa)");
     require(std::isfinite(shear_cohesion) && shear_cohesion >= 0, "shear_cohesion", shear_cohesion,
             ">= 0 (Pa)");
     require(interaction_range >= 1 && interaction_range <= 2, "interaction_range", interaction_range,
             "within 1..2");
+}
+
+void LinearDamped::validate() const {
+    require_modulus(young_modulus);
+    require_stiffness_ratio(stiffness_ratio);
+    require_friction_angle(friction_angle);
+    require(normal_damping >= 0 && normal_damping <= 1, "normal_damping", normal_damping, "within 0..1");
+    require(tangential_damping >= 0 && tangential_damping <= 1, "tangential_damping", tangential_damping,
+            "within 0..1");
+}
+
+void HertzMindlin::validate() const {
+    require_modulus(young_modulus);
+    require_friction_angle(friction_angle);
+    require(poisson_ratio > -1 && poisson_ratio <= 0.5, "poisson_ratio", poisson_ratio, "within -1..0.5");
+    require(restitution >= 0 && restitution <= 1, "restitution", restitution, "within 0..1");
+}
+
+void RollingResistance::validate() const {
+    require(std::isfinite(friction) && friction >= 0, "rolling_friction", friction, ">= 0");
+    require(std::isfinite(stiffness) && stiffness > 0, "rolling_stiffness", stiffness, "positive");
 }
 
 double ContactLaw::young_modulus() const {
@@ -33,6 +69,7 @@ ContactLaw ContactLaw::with_young_modulus(double modulus) const {
 
 void ContactLaw::validate() const {
     std::visit([](const auto& law) { law.validate(); }, base);
+    rolling.validate();
 }
 
 }  // namespace loam::engine

@@ -1,4 +1,5 @@
-// What a simulation is told of the forces between its particles: a base law with its parameters.
+// What a simulation is told of the forces between its particles: a base law and the effects on top of it,
+// with their parameters.
 #pragma once
 
 #include <variant>
@@ -18,12 +19,45 @@ struct LinearCohesive {
     void validate() const;  // throws std::invalid_argument naming field, value, constraint
 };
 
-/// A base law, resolved once when a simulation takes it.
+/// Parameters of the law `linear-damped` (GRAPE, its Table 1; see contact/linear_damped.hpp).
+struct LinearDamped {
+    double young_modulus = 1.1e8;        // E (Pa): k_n = pi/4 E (R_i + R_j)
+    double stiffness_ratio = 1.0 / 1.2;  // k_t / k_n
+    double friction_angle = 0.1684;      // rad; its tangent is the paper's mu
+    double normal_damping = 0.1;         // D_N, of the critical damping
+    double tangential_damping = 0.1;     // D_T
+
+    void validate() const;
+};
+
+/// Parameters of the law `hertz-mindlin` (Sayakov et al., eqs 1-6; see contact/hertz_mindlin.hpp).
+struct HertzMindlin {
+    double young_modulus = 5e8;  // E of the grains (Pa)
+    double poisson_ratio = 0.3;
+    double friction_angle = 0.46;  // rad
+    double restitution = 0.5;      // of a normal impact, by the dashpots
+
+    void validate() const;
+};
+
+/// The effect `rolling_resistance`: an elastic-plastic moment against rolling, k_r = stiffness k_t R_i R_j,
+/// of at most friction F_n min(R_i, R_j); no resistance to twisting. Friction 0: no effect.
+struct RollingResistance {
+    double friction = 0;
+    double stiffness = 2;
+
+    void validate() const;
+};
+
+/// A base law with its effects, resolved once when a simulation takes it.
 struct ContactLaw {
-    std::variant<LinearCohesive> base;
+    std::variant<LinearCohesive, LinearDamped, HertzMindlin> base;
+    RollingResistance rolling;  // needs free rotation
 
     ContactLaw() = default;
     ContactLaw(const LinearCohesive& law) : base(law) {}
+    ContactLaw(const LinearDamped& law) : base(law) {}
+    ContactLaw(const HertzMindlin& law) : base(law) {}
 
     /// The contact modulus of the base law (Pa).
     double young_modulus() const;

@@ -6,11 +6,19 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "engine/contact/law_numbers.hpp"
+
 namespace loam::engine {
 
 struct ParticleRow;
 struct SpinRow;
 struct ForceRow;
+
+/// Doubles of history for each contact beyond shear force and bond.
+inline constexpr int max_further_history = 3;
+
+/// How particles turn: not, freely, or against rolling resistance.
+enum class Turning { blocked, free, resisted };
 
 /// What the contact loop needs, as plain pointers and numbers (SI). Arrays are 64-byte aligned and padded to
 /// eight pairs.
@@ -22,18 +30,12 @@ struct ContactArguments {
     std::size_t padded_pairs;
     const std::uint32_t *row_i, *row_j;  // where the particles' rows start (bytes)
     const std::int32_t* image;
-    const double *radius_sum, *stiffness_length, *area;
+    const double *radius_sum, *reduced_radius, *area;
     double *shear_x, *shear_y, *shear_z, *bond;
     double velocity_gradient[9];  // row-major
     double dt;
-    // linear-cohesive (De Pue et al. 2019, eqs 1-7)
-    double normal_modulus;  // k_n = normal_modulus × stiffness_length
-    double stiffness_ratio;
-    double friction_coefficient;
-    double normal_cohesion;
-    double shear_cohesion;
-    double tension_range;  // gap over R_i + R_j up to which tension can act
-    bool fragile;          // cohesion is lost for good when its limit is passed
+    LawNumbers law;
+    double* further[max_further_history];  // history of sub-models, in the order of their declaration
 };
 
 /// Sums over all contacts. Stress sums are -F_a·l_b (compression positive), to be divided by the volume.
@@ -68,11 +70,13 @@ struct IntegrateSums {
 /// What a step sums up beside moving the particles.
 enum class Measure { nothing, energies, all };  // energies: only power and dissipation
 
-/// One instruction set's version of the loops, by free rotation and Measure.
+using ContactLoop = void (*)(const ContactArguments&, ContactSums&);
+
+/// One instruction set's version of the loops.
 struct KernelTable {
     const char* name;
-    void (*contacts[2][3])(const ContactArguments&, ContactSums&);
-    void (*integrate[2][3])(const IntegrateArguments&, IntegrateSums&);
+    ContactLoop contacts[3][3][3];  // by base law (in the order of ContactLaw::base), Turning and Measure
+    void (*integrate[2][3])(const IntegrateArguments&, IntegrateSums&);  // by free rotation and Measure
 };
 
 extern const KernelTable kernel_avx512;

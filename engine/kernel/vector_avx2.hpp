@@ -47,6 +47,9 @@ LOAM_INLINE double sum(v4 a) {
 LOAM_INLINE v4 inverse_sqrt(v4 a) {
     return 1.0 / _mm256_sqrt_pd(a);
 }
+LOAM_INLINE v4 square_root(v4 a) {
+    return _mm256_sqrt_pd(a);
+}
 LOAM_INLINE v4 inverse(v4 a) {
     return 1.0 / a;
 }

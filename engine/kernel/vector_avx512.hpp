@@ -7,7 +7,7 @@ namespace loam::engine {
 namespace {
 
 typedef double v8 __attribute__((vector_size(64)));
-typedef long long m8 __attribute__((vector_size(64)));
+using m8 = decltype(v8{} > v8{});
 typedef double v4 __attribute__((vector_size(32)));
 
 constexpr int lanes = 8;
@@ -52,6 +52,13 @@ LOAM_INLINE v8 inverse_sqrt(v8 a) {
     const v8 y = reinterpret_cast<v8>(_mm512_maskz_rsqrt14_pd(0xff, reinterpret_cast<__m512d>(a)));
     const v8 e = 1.0 - (a * y) * y;
     return y + (y * e) * (0.5 + e * (0.375 + e * 0.3125));
+}
+
+/// The square root, to within 3 units in the last place; zero for what is below 1e-300.
+LOAM_INLINE v8 square_root(v8 a) {
+    const m8 positive = a > 1e-300;
+    const v8 safe = choose(positive, a, splat_as<v8>(1.0));
+    return choose(positive, safe * inverse_sqrt(safe), v8{});
 }
 
 /// 1/a, to within 2 units in the last place; a must be normal.

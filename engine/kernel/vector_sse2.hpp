@@ -38,6 +38,9 @@ LOAM_INLINE double sum(v2 a) {
 LOAM_INLINE v2 inverse_sqrt(v2 a) {
     return 1.0 / _mm_sqrt_pd(a);
 }
+LOAM_INLINE v2 square_root(v2 a) {
+    return _mm_sqrt_pd(a);
+}
 LOAM_INLINE v2 inverse(v2 a) {
     return 1.0 / a;
 }

@@ -56,6 +56,23 @@ std::vector<double> strains_at_stages(const Curve& curve) {
     return out;
 }
 
+/// Force chains that buckle turn rounding into strain: runs of one packing that differ by their time step
+/// alone scatter by about 5e-4, as the other code's do. The mean of three is compared.
+Eigen::VectorXd mean_strain(const engine::Packing& packing, const engine::LinearCohesive& law,
+                            const OedometerOptions& options) {
+    Eigen::VectorXd sum = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(options.stages.size()));
+    for (const double safety : {0.68, 0.70, 0.72}) {
+        engine::SimulationOptions how;
+        how.time_step_safety = safety;
+        engine::Simulation simulation(packing, law, how);
+        const OedometerResult run = run_oedometer(simulation, law, options);
+        EXPECT_TRUE(run.complete) << run.reason;
+        EXPECT_LT(run.seating_error, 0.01);
+        sum += run.strain;
+    }
+    return sum / 3;
+}
+
 class YadeReference : public testing::TestWithParam<std::pair<const char*, double>> {};
 
 TEST_P(YadeReference, SamePackingsGiveTheSameCurves) {
@@ -73,15 +90,13 @@ TEST_P(YadeReference, SamePackingsGiveTheSameCurves) {
     std::vector<double> signed_difference(count, 0.0), difference(count, 0.0);
     for (int packing = 1; packing <= 4; ++packing) {
         const std::string number = std::to_string(packing);
-        engine::Simulation simulation(load_packing(folder + "packing_" + number + ".csv"), law, {});
-        const OedometerResult run = run_oedometer(simulation, law, options);
-        ASSERT_TRUE(run.complete) << run.reason;
-        EXPECT_LT(run.seating_error, 0.01);
+        const Eigen::VectorXd strain =
+            mean_strain(load_packing(folder + "packing_" + number + ".csv"), law, options);
+        ASSERT_TRUE(strain.allFinite());
         const std::vector<double> reference =
             strains_at_stages(read_curve("oedometer_" + std::string(name) + "_" + number + ".csv"));
         for (std::size_t k = 0; k < count; ++k) {
-            const double d =
-                run.strain[static_cast<Eigen::Index>(k < loading.size() ? k : k + 1)] - reference[k];
+            const double d = strain[static_cast<Eigen::Index>(k < loading.size() ? k : k + 1)] - reference[k];
             signed_difference[k] += d / 4;
             difference[k] += std::abs(d) / 4;
         }

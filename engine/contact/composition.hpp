@@ -1,0 +1,31 @@
+// A contact law resolved: what the step needs of it, found once and not looked up again.
+#pragma once
+
+#include "engine/contact/contact_law.hpp"
+#include "engine/kernel/kernel.hpp"
+
+namespace loam::engine {
+
+struct Composition {
+    LawNumbers numbers{};
+    std::size_t base = 0;     // which base law, in the order of ContactLaw::base
+    std::size_t history = 0;  // doubles for each contact beyond shear force and bond
+    Turning turning = Turning::blocked;
+};
+
+/// Throws std::invalid_argument where an effect lacks its partner: rolling resistance needs free rotation.
+/// Effects of strength 0 are left out, so that the base law remains bit for bit.
+Composition compose(const ContactLaw& law, double grain_density, bool free_rotation);
+
+/// Young modulus (Pa) that the p-wave estimate of the time step min R sqrt(rho/E) needs for this law: of
+/// springs k_n = E R between equal spheres, stiffened for dashpots. `overlap`: largest over R_i + R_j, which
+/// only Hertzian contacts depend on.
+double wave_modulus(const ContactLaw& law, double overlap);
+
+/// Whether wave_modulus depends on the overlap.
+bool stiffens(const ContactLaw& law);
+
+/// Elastic normal force (N, compression positive) of a pair under a law; `bond` is its state after the step.
+double normal_force(const Composition& composition, const Touch<double>& pair, double bond);
+
+}  // namespace loam::engine
