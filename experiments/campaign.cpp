@@ -61,8 +61,8 @@ EnsembleHeader make_header(const Settings& settings, const ParameterSpace& space
                            const std::vector<CampaignTest>& tests, double grain_density) {
     EnsembleHeader header;
     header.campaign_seed = settings.seed;
-    for (std::size_t p = 0; p < space.law->parameters.size(); ++p) {
-        const engine::ParameterInfo& info = space.law->parameters[p];
+    for (std::size_t p = 0; p < space.parameters.size(); ++p) {
+        const engine::ParameterInfo& info = space.parameters[p];
         const double value = space.values[static_cast<Eigen::Index>(p)];
         header.parameters.push_back({std::string(info.name), std::string(info.unit), value, value});
     }
@@ -130,7 +130,7 @@ RunRecord Campaign::simulate(const RunSpec& spec, const StopToken& stop) {
     record.ok = true;
     for (const CampaignTest& test : tests_) {
         const engine::Packing packing = packing_of(test, spec, stop);
-        const engine::ContactLaw law = contact_law(settings_, *space_.law, spec.parameters);
+        const engine::ContactLaw law = contact_law(settings_, spec.parameters);
         VirtualTestResult result = test.kind->run(packing, law, settings_, grain_density_, *test.test, [&] {
             stop.throw_if_requested();
             return false;

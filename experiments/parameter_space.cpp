@@ -1,6 +1,6 @@
 #include "experiments/parameter_space.hpp"
 
-#include <algorithm>
+#include <span>
 #include <stdexcept>
 
 #include "experiments/settings/parameters.hpp"
@@ -52,11 +52,10 @@ Eigen::MatrixXd ParameterSpace::from_probabilities(const Eigen::MatrixXd& u) con
 
 ParameterSpace parameter_space(const Settings& settings) {
     ParameterSpace space;
-    space.law = engine::find_law(settings.law);
-    if (space.law == nullptr) throw std::invalid_argument("unknown law " + settings.law);
-    space.values.resize(static_cast<Eigen::Index>(space.law->parameters.size()));
-    for (std::size_t p = 0; p < space.law->parameters.size(); ++p) {
-        const std::string name(space.law->parameters[p].name);
+    space.parameters = model_parameters(settings);
+    space.values.resize(static_cast<Eigen::Index>(space.parameters.size()));
+    for (std::size_t p = 0; p < space.parameters.size(); ++p) {
+        const std::string name(space.parameters[p].name);
         double& value = space.values[static_cast<Eigen::Index>(p)];
         if (const auto fixed = settings.set.find(name); fixed != settings.set.end()) {
             value = fixed->second;
@@ -71,21 +70,20 @@ ParameterSpace parameter_space(const Settings& settings) {
     return space;
 }
 
-engine::ContactLaw contact_law(const Settings& settings, const engine::LawInfo& law,
-                                   const Eigen::VectorXd& physical) {
-    const auto value = [&](std::string_view name) {
-        const auto at = std::find_if(law.parameters.begin(), law.parameters.end(),
-                                     [&](const engine::ParameterInfo& info) { return info.name == name; });
-        return physical[at - law.parameters.begin()];
-    };
-    engine::LinearCohesive out;
-    out.young_modulus = value("young_modulus");
-    out.stiffness_ratio = value("stiffness_ratio");
-    out.friction_angle = value("friction_angle");
-    out.normal_cohesion = value("normal_cohesion");
-    out.shear_cohesion = value("shear_cohesion");
-    out.fragile = settings.engine.fragile;
-    out.interaction_range = settings.engine.interaction_range;
+engine::ContactLaw contact_law(const Settings& settings, const Eigen::VectorXd& physical) {
+    std::span<const double> values(physical.data(), static_cast<std::size_t>(physical.size()));
+    const engine::LawInfo& law = *engine::find_law(settings.law);
+    engine::ContactLaw out = law.make(values.first(law.parameters.size()));
+    if (auto* cohesive = std::get_if<engine::LinearCohesive>(&out.base)) {
+        cohesive->fragile = settings.engine.fragile;
+        cohesive->interaction_range = settings.engine.interaction_range;
+    }
+    values = values.subspan(law.parameters.size());
+    for (const std::string& name : settings.effects) {
+        const engine::EffectInfo& effect = *engine::find_effect(name);
+        effect.apply(out, values.first(effect.parameters.size()));
+        values = values.subspan(effect.parameters.size());
+    }
     return out;
 }
 

@@ -14,14 +14,14 @@
 namespace loam::experiments {
 
 struct ParameterSpace {
-    const engine::LawInfo* law = nullptr;
-    std::vector<std::size_t> fitted;       // [d] places in law->parameters
-    std::vector<surrogate::Prior> priors;  // [d]
-    Eigen::VectorXd values;                // [law->parameters]: the fixed ones; prior medians elsewhere (SI)
+    std::vector<engine::ParameterInfo> parameters;  // of the law, then of the effects
+    std::vector<std::size_t> fitted;                // [d] places in parameters
+    std::vector<surrogate::Prior> priors;           // [d]
+    Eigen::VectorXd values;  // [parameters]: the fixed ones; prior medians elsewhere (SI)
 
     Eigen::Index dimension() const { return static_cast<Eigen::Index>(fitted.size()); }
     const engine::ParameterInfo& info(Eigen::Index k) const {
-        return law->parameters[fitted[static_cast<std::size_t>(k)]];
+        return parameters[fitted[static_cast<std::size_t>(k)]];
     }
     const surrogate::Prior& prior(Eigen::Index k) const { return priors[static_cast<std::size_t>(k)]; }
     bool is_logarithmic(Eigen::Index k) const;
@@ -37,8 +37,7 @@ struct ParameterSpace {
 /// The space that the settings describe. The law must exist, every parameter be in `set` or have a prior.
 ParameterSpace parameter_space(const Settings& settings);
 
-/// The contact law with these parameters (SI, in the order of the law's table).
-engine::ContactLaw contact_law(const Settings& settings, const engine::LawInfo& law,
-                                   const Eigen::VectorXd& physical);
+/// The settings' law and effects with these parameters (SI, in the order of ParameterSpace::parameters).
+engine::ContactLaw contact_law(const Settings& settings, const Eigen::VectorXd& physical);
 
 }  // namespace loam::experiments

@@ -1,10 +1,14 @@
-// The contact laws that the engine knows, with what each declares of its parameters.
-// The command line, the configuration reader, the generated reference and the contract tests read this table.
-// To add a law: one header engine/contact/<name>.hpp and one line of laws() in registry.cpp.
+// The contact laws and effects that the engine knows, with what each declares of its parameters, its history
+// and its partners. The command line, the configuration reader, the generated reference and the contract
+// tests read these tables. To add a law: one header engine/contact/<name>.hpp, and one line of laws() in
+// registry.cpp.
 #pragma once
 
+#include <limits>
 #include <span>
 #include <string_view>
+
+#include "engine/contact/contact_law.hpp"
 
 namespace loam::engine {
 
@@ -29,6 +33,7 @@ struct ParameterInfo {
     PriorInfo prior;  // default prior when the parameter is fitted
     std::string_view meaning;
     std::string_view source;
+    double held = std::numeric_limits<double>::quiet_NaN();  // value unless a prior is stated; NaN: fitted
 };
 
 struct LawInfo {
@@ -36,6 +41,19 @@ struct LawInfo {
     std::string_view meaning;
     std::string_view source;
     std::span<const ParameterInfo> parameters;
+    /// The law with these values (SI), in the order of `parameters`.
+    ContactLaw (*make)(std::span<const double> values);
+};
+
+struct EffectInfo {
+    std::string_view name;
+    std::string_view meaning;
+    std::string_view source;
+    std::span<const ParameterInfo> parameters;  // the first is the strength, 0 for none
+    int history;                                // doubles that it keeps for each contact
+    bool needs_rotation;                        // else rotations may be blocked
+    /// Adds the effect with these values (SI), in the order of `parameters`.
+    void (*apply)(ContactLaw& law, std::span<const double> values);
 };
 
 /// All laws, in a fixed order. The first is the default.
@@ -43,5 +61,11 @@ std::span<const LawInfo> laws();
 
 /// The law of that name, or nullptr.
 const LawInfo* find_law(std::string_view name);
+
+/// All effects, in a fixed order. Each goes with every law.
+std::span<const EffectInfo> effects();
+
+/// The effect of that name, or nullptr.
+const EffectInfo* find_effect(std::string_view name);
 
 }  // namespace loam::engine

@@ -31,10 +31,11 @@ int run(const std::vector<std::string>& words) {
         status = run_verb(command);
     else
         std::fputs(command.help.c_str(), stdout);
-    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
-        throw std::runtime_error("standard output could not be written");
+    std::fflush(stdout);
     return status;
 }
+
+constexpr const char* unwritable = "standard output could not be written";
 
 int report(const char* reason, int status) {
     std::fprintf(stderr, "loam: %s\n", reason);
@@ -47,7 +48,8 @@ int run_program(int argc, const char* const* argv) {
     // A reader that closes the pipe early is an error of writing like any other, not a silent end.
     std::signal(SIGPIPE, SIG_IGN);
     try {
-        return run({argv + 1, argv + argc});
+        const int status = run({argv + 1, argv + argc});
+        return std::ferror(stdout) == 0 ? status : report(unwritable, failed);
     } catch (const lab_data::UserError& error) {
         return report(error.what(), input_at_fault);
     } catch (const Interrupted& interrupted) {
@@ -55,7 +57,7 @@ int run_program(int argc, const char* const* argv) {
     } catch (const std::bad_alloc&) {
         return report("out of memory; fewer --jobs or --particles need less", failed);
     } catch (const std::exception& error) {
-        return report(error.what(), failed);
+        return report(std::ferror(stdout) == 0 ? error.what() : unwritable, failed);
     }
 }
 

@@ -52,6 +52,12 @@ Names law_names() {
     return names;
 }
 
+Names effect_names() {
+    Names names;
+    for (const engine::EffectInfo& effect : engine::effects()) names.push_back(effect.name);
+    return names;
+}
+
 Names test_kinds() {
     using lab_data::TestKind;
     return {to_string(TestKind::oedometer), to_string(TestKind::triaxial), to_string(TestKind::direct_shear)};
@@ -87,7 +93,7 @@ const std::array table{
     Field{"", "rotation", [](Settings& s) -> Slot { return &s.rotation; },
           "rotation of the particles", {}, rotations, "free|blocked"},
     Field{"", "effects", [](Settings& s) -> Slot { return &s.effects; },
-          "effects added to the law (see `loam effects`)", {}, nullptr, "NAME,..."},
+          "effects added to the law (see `loam effects`)", {}, effect_names, "NAME,..."},
     Field{"", "particles", [](Settings& s) -> Slot { return &s.particles; },
           "particles in a specimen", count(100, 2e6), nullptr, "N"},
     Field{"", "runs", [](Settings& s) -> Slot { return &s.runs; },

@@ -12,20 +12,27 @@
 namespace loam::experiments {
 namespace {
 
-using engine::LawInfo;
 using engine::ParameterInfo;
 using engine::PriorKind;
 
 constexpr std::array<std::string_view, 4> kind_names{"normal", "lognormal", "uniform", "loguniform"};
 
-/// The law's parameter of that name. Throws UserError for the setting at `origin`.
-const ParameterInfo& parameter_of(const LawInfo& law, const std::string& name, const Origin& origin) {
+/// The parameter of that name. Throws UserError for the setting at `origin`.
+ParameterInfo parameter_of(const Settings& settings, const std::string& name, const Origin& origin) {
+    const std::vector<ParameterInfo> parameters = model_parameters(settings);
     std::vector<std::string_view> valid;
-    for (const ParameterInfo& parameter : law.parameters) {
+    for (const ParameterInfo& parameter : parameters) {
         if (parameter.name == name) return parameter;
         valid.push_back(parameter.name);
     }
-    throw fault_at(origin, name, fmt::format("is not a parameter of the law {}", law.name),
+    for (const engine::EffectInfo& effect : engine::effects())
+        for (const ParameterInfo& parameter : effect.parameters)
+            if (parameter.name == name)
+                throw fault_at(origin, name, fmt::format("is a parameter of the effect {}", effect.name),
+                               fmt::format("add --effects {}", effect.name));
+    throw fault_at(origin, name,
+                   fmt::format("is not a parameter of the law {}{}", settings.law,
+                               settings.effects.empty() ? "" : " with its effects"),
                    lab_data::suggest_name(name, valid));
 }
 
@@ -101,25 +108,43 @@ bool is_logarithmic(PriorKind kind) {
     return kind == PriorKind::lognormal || kind == PriorKind::loguniform;
 }
 
+std::vector<ParameterInfo> model_parameters(const Settings& settings) {
+    const auto of_law = engine::find_law(settings.law)->parameters;
+    std::vector<ParameterInfo> out(of_law.begin(), of_law.end());
+    for (const std::string& name : settings.effects)
+        if (const engine::EffectInfo* effect = engine::find_effect(name))
+            out.insert(out.end(), effect->parameters.begin(), effect->parameters.end());
+    return out;
+}
+
 void complete_priors(Settings& settings, const Draft& draft) {
-    const LawInfo& law = *engine::find_law(settings.law);
     for (const auto& [name, text] : draft.priors)
-        parameter_of(law, name, origin_of(draft.origins, "priors." + name));
+        parameter_of(settings, name, origin_of(draft.origins, "priors." + name));
     settings.priors.clear();
-    for (const ParameterInfo& parameter : law.parameters) {
+    for (const ParameterInfo& parameter : model_parameters(settings)) {
         const std::string name(parameter.name);
         if (settings.set.contains(name)) continue;
         const auto stated = draft.priors.find(name);
-        settings.priors[name] =
-            prior_from(parameter, stated == draft.priors.end() ? PriorText{} : stated->second, draft.origins);
+        if (stated != draft.priors.end())
+            settings.priors[name] = prior_from(parameter, stated->second, draft.origins);
+        else if (!std::isnan(parameter.held))
+            settings.set[name] = parameter.held;
+        else
+            settings.priors[name] = prior_from(parameter, PriorText{}, draft.origins);
     }
 }
 
+void check_effects(const Settings& settings, const Origins& origins) {
+    for (const std::string& name : settings.effects)
+        if (engine::find_effect(name)->needs_rotation && settings.rotation != "free")
+            throw fault_at(origin_of(origins, "effects"), name, "needs particles that rotate",
+                           "add --rotation free");
+}
+
 void check_parameters(const Settings& settings, const Origins& origins) {
-    const LawInfo& law = *engine::find_law(settings.law);
     for (const auto& [name, value] : settings.set) {
         const Origin origin = origin_of(origins, "set." + name);
-        const ParameterInfo& parameter = parameter_of(law, name, origin);
+        const ParameterInfo parameter = parameter_of(settings, name, origin);
         if (!(value >= parameter.lower && value <= parameter.upper))
             throw fault_at(
                 origin, fmt::format("{}", value),
@@ -127,7 +152,7 @@ void check_parameters(const Settings& settings, const Origins& origins) {
                 "values are in SI, angles in rad");
     }
     for (const auto& [name, prior] : settings.priors)
-        check_prior(parameter_of(law, name, origin_of(origins, "priors." + name)), prior, origins);
+        check_prior(parameter_of(settings, name, origin_of(origins, "priors." + name)), prior, origins);
     if (settings.verb == "calibrate" && settings.priors.empty())
         throw fault_at(origin_of(origins, "set"), "", "leaves nothing to fit: every parameter is held fixed",
                        "fix fewer, or use loam simulate");

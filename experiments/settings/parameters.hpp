@@ -1,8 +1,10 @@
-// The parameters of the contact law among the settings: which are held fixed, and the priors of the others.
+// The parameters of the contact law and its effects among the settings: which are held fixed, and the priors
+// of the others.
 #pragma once
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "experiments/settings/reading.hpp"
 
@@ -17,9 +19,17 @@ bool has_mean(engine::PriorKind kind);
 /// Whether it is the log10 of the value that is spread.
 bool is_logarithmic(engine::PriorKind kind);
 
-/// Fills settings.priors: for every parameter of the law that is not fixed, the law's default with what the
-/// draft states. A stated prior of a fixed parameter is ignored. The law must exist. Throws UserError.
+/// Those of the settings' law, then of their effects in the order given. The law must exist; what is no
+/// effect is left out.
+std::vector<engine::ParameterInfo> model_parameters(const Settings& settings);
+
+/// Fills settings.priors: for every parameter that is not fixed, its default with what the draft states. A
+/// parameter that is held unless a prior is stated goes to settings.set. A stated prior of a fixed parameter
+/// is ignored. The law must exist. Throws UserError.
 void complete_priors(Settings& settings, const Draft& draft);
+
+/// Checks that the effects, which must exist, have the rotation that they need. Throws UserError.
+void check_effects(const Settings& settings, const Origins& origins);
 
 /// Checks names and values of [set] and [priors]. The law must exist. Throws UserError.
 void check_parameters(const Settings& settings, const Origins& origins);

@@ -28,11 +28,11 @@ struct Prior {
 
 /// How a simulation is run.
 struct EngineSettings {
-    double damping = 0.4;            // Cundall's local damping, 0..1
-    double time_step_safety = 0.85;  // fraction of the critical (p-wave) time step
+    double damping = 0.4;             // Cundall's local damping, 0..1
+    double time_step_safety = 0.85;   // fraction of the critical (p-wave) time step
     double inertial_number = 3.5e-4;  // target while loading: sets the strain rate
-    bool fragile = true;             // a cohesive bond, once broken, does not heal
-    double interaction_range = 1.5;  // of the sum of radii: reach of a cohesive bond
+    bool fragile = true;              // a cohesive bond, once broken, does not heal
+    double interaction_range = 1.5;   // of the sum of radii: reach of a cohesive bond
     bool operator==(const EngineSettings&) const = default;
 };
 
@@ -50,13 +50,13 @@ struct CalibrationSettings {
     std::string design = "latin-hypercube";
     std::string kernel = "matern52";
     std::string global_optimizer = "crs2";
-    int replicates = 8;             // further packings at chosen points, from which packing noise is learnt
+    int replicates = 8;              // further packings at chosen points, from which packing noise is learnt
     int confirmation_packings = 12;  // fresh packings for the direct runs at the estimate
-    int max_rounds = 4;             // rounds of runs added where emulator and direct runs disagree
+    int max_rounds = 4;              // rounds of runs added where emulator and direct runs disagree
     int runs_per_round = 24;
     int posterior_draws = 4000;
-    int specimen_particles = 0;      // in the measured specimen, which scatters like such a packing; 0: countless in a
-                                     // measured soil, as many as in the runs in a synthetic one
+    int specimen_particles = 0;  // in the measured specimen, which scatters like such a packing; 0: countless
+                                 // in a measured soil, as many as in the runs in a synthetic one
     bool operator==(const CalibrationSettings&) const = default;
 };
 

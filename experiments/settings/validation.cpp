@@ -63,9 +63,7 @@ void validate(const Settings& settings, const Origins& origins) {
         const Origin origin = origin_of(origins, field.path());
         std::visit([&](auto* slot) { CheckSlot{field, origin}(slot); }, field.slot(copy));
     }
-    if (!settings.effects.empty())
-        throw fault_at(origin_of(origins, "effects"), settings.effects.front(),
-                       fmt::format("is not an effect of the law {}", settings.law), "see loam effects");
+    check_effects(settings, origins);
     check_parameters(settings, origins);
     const int fewest = fewest_training_runs(static_cast<int>(settings.priors.size()));
     if (settings.verb == "calibrate" && settings.runs < fewest)

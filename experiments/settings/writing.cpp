@@ -71,7 +71,7 @@ std::string section_text(std::string_view section, const Settings& settings) {
 std::string parameters_text(const Settings& settings) {
     std::string fixed = "\n[set]  # parameters held fixed, SI\n";
     std::string priors;
-    for (const engine::ParameterInfo& parameter : engine::find_law(settings.law)->parameters) {
+    for (const engine::ParameterInfo& parameter : model_parameters(settings)) {
         const std::string name(parameter.name);
         if (const auto found = settings.set.find(name); found != settings.set.end())
             fixed += fmt::format("{} = {}  # {}, {}\n", name, number(found->second), parameter.unit,

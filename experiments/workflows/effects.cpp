@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "engine/contact/registry.hpp"
@@ -10,6 +11,7 @@
 namespace loam::experiments {
 namespace {
 
+using engine::EffectInfo;
 using engine::LawInfo;
 using engine::ParameterInfo;
 using engine::PriorInfo;
@@ -31,28 +33,62 @@ nlohmann::json as_json(const PriorInfo& prior) {
     return document;
 }
 
-nlohmann::json as_json(const LawInfo& law) {
-    nlohmann::json parameters = nlohmann::json::array();
-    for (const ParameterInfo& parameter : law.parameters)
-        parameters.push_back({{"name", parameter.name},
-                              {"symbol", parameter.symbol},
-                              {"unit", parameter.unit},
-                              {"lower", parameter.lower},
-                              {"upper", parameter.upper},
-                              {"prior", as_json(parameter.prior)},
-                              {"meaning", parameter.meaning},
-                              {"source", parameter.source}});
-    return {{"name", law.name}, {"meaning", law.meaning}, {"source", law.source}, {"parameters", parameters}};
+nlohmann::json as_json(std::span<const ParameterInfo> parameters) {
+    nlohmann::json out = nlohmann::json::array();
+    for (const ParameterInfo& parameter : parameters) {
+        out.push_back({{"name", parameter.name},
+                       {"symbol", parameter.symbol},
+                       {"unit", parameter.unit},
+                       {"lower", parameter.lower},
+                       {"upper", parameter.upper},
+                       {"prior", as_json(parameter.prior)},
+                       {"meaning", parameter.meaning},
+                       {"source", parameter.source}});
+        if (!std::isnan(parameter.held)) out.back()["held"] = parameter.held;
+    }
+    return out;
 }
 
-void print_law(const LawInfo& law) {
-    fmt::print("law {}: {}\n  source: {}\n", law.name, law.meaning, law.source);
-    for (const ParameterInfo& parameter : law.parameters) {
+nlohmann::json as_json(const LawInfo& law) {
+    return {{"name", law.name},
+            {"meaning", law.meaning},
+            {"source", law.source},
+            {"parameters", as_json(law.parameters)}};
+}
+
+nlohmann::json as_json(const EffectInfo& effect) {
+    return {{"name", effect.name},
+            {"meaning", effect.meaning},
+            {"source", effect.source},
+            {"needs_rotation", effect.needs_rotation},
+            {"parameters", as_json(effect.parameters)}};
+}
+
+void print_parameters(std::span<const ParameterInfo> parameters) {
+    for (const ParameterInfo& parameter : parameters) {
         fmt::print("\n  {} ({}), {}: {}\n", parameter.name, parameter.symbol, parameter.unit,
                    parameter.meaning);
         fmt::print("    range   {:.4g} to {:.4g}\n", parameter.lower, parameter.upper);
-        fmt::print("    prior   {}\n", prior_text(parameter.prior));
+        if (std::isnan(parameter.held))
+            fmt::print("    prior   {}\n", prior_text(parameter.prior));
+        else
+            fmt::print("    held at {:.4g}, unless a prior is stated; then {}\n", parameter.held,
+                       prior_text(parameter.prior));
         fmt::print("    source  {}\n", parameter.source);
+    }
+}
+
+void print_model() {
+    for (const LawInfo& law : engine::laws()) {
+        fmt::print("law {}: {}\n  source: {}\n", law.name, law.meaning, law.source);
+        print_parameters(law.parameters);
+        fmt::print("\n");
+    }
+    fmt::print("rotation of the particles: blocked or free, in every law (--rotation)\n");
+    for (const EffectInfo& effect : engine::effects()) {
+        fmt::print("\neffect {}, on every law: {}{}\n  source: {}\n", effect.name, effect.meaning,
+                   effect.needs_rotation ? " (needs --rotation free)" : "", effect.source);
+        print_parameters(effect.parameters);
     }
 }
 
@@ -62,12 +98,12 @@ int run_effects(const PlainArguments& arguments) {
     if (arguments.json) {
         nlohmann::json laws = nlohmann::json::array();
         for (const LawInfo& law : engine::laws()) laws.push_back(as_json(law));
-        fmt::print("{}\n", nlohmann::json{{"laws", laws}, {"effects", nlohmann::json::array()}}.dump(2));
+        nlohmann::json effects = nlohmann::json::array();
+        for (const EffectInfo& effect : engine::effects()) effects.push_back(as_json(effect));
+        fmt::print("{}\n", nlohmann::json{{"laws", laws}, {"effects", effects}}.dump(2));
         return 0;
     }
-    for (const LawInfo& law : engine::laws()) print_law(law);
-    fmt::print("\nrotation of the particles: blocked or free, in every law (--rotation)\n");
-    fmt::print("effects on top of a law: none in this version\n");
+    print_model();
     return 0;
 }
 

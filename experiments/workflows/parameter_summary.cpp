@@ -10,8 +10,8 @@ std::vector<ParameterSummary> summarise(const Campaign& campaign, const Fit& fit
     const ParameterSpace& space = campaign.space();
     const Eigen::VectorXd physical = space.physical(fit.estimate);
     std::vector<ParameterSummary> out;
-    for (std::size_t p = 0; p < space.law->parameters.size(); ++p) {
-        const engine::ParameterInfo& info = space.law->parameters[p];
+    for (std::size_t p = 0; p < space.parameters.size(); ++p) {
+        const engine::ParameterInfo& info = space.parameters[p];
         ParameterSummary s{std::string(info.name), std::string(info.symbol), std::string(info.unit),
                            std::string(info.meaning)};
         s.estimate = s.q05 = s.q50 = s.q95 = s.prior_q05 = s.prior_q95 =

@@ -24,8 +24,8 @@ std::vector<std::string> unset_warnings(const Campaign& campaign) {
     const ParameterSpace& space = campaign.space();
     for (const std::size_t p : space.fitted)
         out.push_back(fmt::format("{} is not set; the median of its prior is used: {:.4g} {}",
-                                  space.law->parameters[p].name, space.values[static_cast<Eigen::Index>(p)],
-                                  space.law->parameters[p].unit));
+                                  space.parameters[p].name, space.values[static_cast<Eigen::Index>(p)],
+                                  space.parameters[p].unit));
     return out;
 }
 
@@ -44,8 +44,8 @@ json curves_result(const json& tests) {
 json parameters_document(const Campaign& campaign) {
     json out = json::array();
     const ParameterSpace& space = campaign.space();
-    for (std::size_t p = 0; p < space.law->parameters.size(); ++p) {
-        const engine::ParameterInfo& info = space.law->parameters[p];
+    for (std::size_t p = 0; p < space.parameters.size(); ++p) {
+        const engine::ParameterInfo& info = space.parameters[p];
         out.push_back({{"name", info.name},
                        {"symbol", info.symbol},
                        {"unit", info.unit},

@@ -60,8 +60,8 @@ int bench_rate(const Settings& settings) {
         const auto at = static_cast<std::size_t>(k);
         const auto specimen =
             pool.get(0.47, static_cast<std::uint32_t>(settings.particles), 1 + at % packings, {});
-        const engine::ContactLaw law = contact_law(
-            settings, *space.law, space.physical(x.row(k / static_cast<int>(packings)).transpose()));
+        const engine::ContactLaw law =
+            contact_law(settings, space.physical(x.row(k / static_cast<int>(packings)).transpose()));
         full[at] = run_at(specimen->packing, law, 1, settings, test);
         half[at] = run_at(specimen->packing, law, 0.5, settings, test);
     }

@@ -103,7 +103,7 @@ int bench_twins(const Settings& given) {
     nlohmann::json result = nlohmann::json::object();
     std::string text = fmt::format("{:<16} {:>7} {:>14} {:>9} {:>16} {:>12}\n", "parameter", "soils",
                                    "median error", "floor", "90 % covers (%)", "identified (%)");
-    for (std::size_t p = 0; p < space.law->parameters.size(); ++p) {
+    for (std::size_t p = 0; p < space.parameters.size(); ++p) {
         std::vector<double> errors, floors;
         double covered = 0, identified = 0;
         bool logarithmic = false;
@@ -124,7 +124,7 @@ int bench_twins(const Settings& given) {
                                  std::numbers::sqrt2);
         }
         const double n = static_cast<double>(errors.size());
-        const std::string name(space.law->parameters[p].name);
+        const std::string name(space.parameters[p].name);
         result[name] = {{"soils", errors.size()},       {"median_error", median(errors)},
                         {"floor", median(floors)},      {"coverage90", covered / n},
                         {"identified", identified / n}, {"relative", logarithmic}};

@@ -110,7 +110,9 @@ class WrongSettings(ProgramTest):
                             (("--seed", "-1"), "option '--seed': value '-1' must be at least 0"),
                             (("--law", "linear-cohesion"), "did you mean 'linear-cohesive'?"),
                             (("--rotation", "locked"), "did you mean 'blocked'?"),
-                            (("--effects", "creep"), "'creep' is not an effect"),
+                            (("--effects", "creep"), "'creep' is not known here"),
+                            (("--effects", "rolling_resistance"), "add --rotation free"),
+                            (("--set", "rolling_friction=0.1"), "add --effects rolling_resistance"),
                             (("--tests", "oedometers"), "did you mean 'oedometer'?"),
                             (("--tests", "direct_shear"), "'direct_shear' cannot be simulated in this version"),
                             (("--hold-out", "oedometer_2.csv"), "did you mean 'oedometer_1.csv'?")]:
