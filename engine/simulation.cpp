@@ -109,7 +109,7 @@ void Simulation::set_law(const ContactLaw& law) {
 /// The time of a p-wave across the smallest particle, times the safety factor (Smilauer et al. 2015).
 void Simulation::set_time_step() {
     dt_ = options_.time_step_safety * 0.5 * smallest_diameter_ *
-          std::sqrt(options_.grain_density / wave_modulus(law_, time_step_overlap_));
+          std::sqrt(options_.grain_density / wave_modulus(law_, composition_, time_step_overlap_));
 }
 
 /// Hertzian contacts stiffen with their overlap: the time step is made for twice the largest one, and made

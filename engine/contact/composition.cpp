@@ -63,9 +63,11 @@ void resolve(const HertzMindlin& law, LawNumbers& n) {
         2 * std::sqrt(5.0 / 6.0) * damping_of_restitution(law.restitution);
 }
 
-/// Dashpots of share D shorten the stable time step by sqrt(1 + D²) - D.
+/// Dashpots of share D shorten the stable time step of one contact by sqrt(1 + D²) - D. A sphere in a packing
+/// has several, whose dashpots add up where its frequency grows with their root alone: D counts 3.5 times,
+/// found where packings of 5 contacts a sphere cease to come to rest.
 double stiffened(double modulus, double damping_share) {
-    const double factor = std::hypot(1.0, damping_share) - damping_share;
+    const double share = 3.5 * damping_share, factor = std::hypot(1.0, share) - share;
     return modulus / (factor * factor);
 }
 
@@ -107,8 +109,15 @@ Composition compose(const ContactLaw& law, double grain_density, bool free_rotat
     return out;
 }
 
-double wave_modulus(const ContactLaw& law, double overlap) {
-    return std::visit([&](const auto& base) { return wave_modulus_of(base, overlap); }, law.base);
+double wave_modulus(const ContactLaw& law, const Composition& composition, double overlap) {
+    const double modulus =
+        std::visit([&](const auto& base) { return wave_modulus_of(base, overlap); }, law.base);
+    if (composition.turning == Turning::blocked) return modulus;
+    // A sphere's spin is held by k_t R² + k_r = k_t R² (1 + k_r/(k_t R²)) at each contact, against 0.4 m R²;
+    // the factor was found where packings of 6 contacts a sphere cease to come to rest.
+    const LawNumbers& n = composition.numbers;
+    const double ratio = n.stiffness_ratio > 0 ? n.stiffness_ratio : n.shear_modulus / n.normal_modulus;
+    return modulus * std::max(1.0, 1.25 * ratio * (1 + n.rolling_stiffness));
 }
 
 bool stiffens(const ContactLaw& law) {

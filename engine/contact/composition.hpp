@@ -18,9 +18,9 @@ struct Composition {
 Composition compose(const ContactLaw& law, double grain_density, bool free_rotation);
 
 /// Young modulus (Pa) that the p-wave estimate of the time step min R sqrt(rho/E) needs for this law: of
-/// springs k_n = E R between equal spheres, stiffened for dashpots. `overlap`: largest over R_i + R_j, which
-/// only Hertzian contacts depend on.
-double wave_modulus(const ContactLaw& law, double overlap);
+/// springs k_n = E R between equal spheres, more for dashpots and for spins, whose frequency may be higher.
+/// `overlap`: largest over R_i + R_j, which only Hertzian contacts depend on.
+double wave_modulus(const ContactLaw& law, const Composition& composition, double overlap);
 
 /// Whether wave_modulus depends on the overlap.
 bool stiffens(const ContactLaw& law);
