@@ -1,4 +1,5 @@
-// Loading of a periodic cell: stress servo and quasi-static strain rates.
+// Loading by the velocity gradient, of a periodic cell or of a box of walls: stress servo and quasi-static
+// strain rates.
 #pragma once
 
 #include <Eigen/Core>
@@ -24,6 +25,9 @@ struct ServoOptions {
     double relaxation_steps = 60;    // time constant of the servo, in steps, for the affine stiffness
     int measure_every = 5;           // steps
     std::uint64_t max_steps = 2'000'000;
+    /// The normal stresses to be steered (Pa), e.g. the pressures on the walls of a box; without it
+    /// Love-Weber's.
+    std::function<Eigen::Vector3d(const Simulation&)> stress_of = {};
 };
 
 struct ServoSummary {
@@ -42,13 +46,17 @@ class StressServo {
     /// `target` [3] (Pa) has at least one number. Throws std::invalid_argument.
     StressServo(const Eigen::Vector3d& target, const ServoOptions& options);
 
+    /// Strain rates of the axes without target (1/s), compression positive; at first zero.
+    void set_rates(const Eigen::Vector3d& rates) { rates_ = rates; }
     /// One stretch of options.measure_every steps; returns its measurement.
     const Measurement& advance(Simulation& simulation);
     /// Largest relative error of an axis that has a target.
-    double stress_error(const Measurement& now) const;
+    double stress_error(const Simulation& simulation) const;
 
   private:
-    Eigen::Vector3d target_;
+    Eigen::Vector3d stress(const Simulation& simulation) const;
+
+    Eigen::Vector3d target_, rates_ = Eigen::Vector3d::Zero();
     double scale_ = 0;  // mean of the targets (Pa)
     ServoOptions options_;
     Eigen::Vector3d ease_ = Eigen::Vector3d::Ones(), missing_before_ = Eigen::Vector3d::Zero();

@@ -92,6 +92,9 @@ class Simulation {
     std::size_t add_wall(const Wall& wall);
     /// Relative to the mean field (m/s).
     void set_wall_velocity(std::size_t wall, const Eigen::Vector3d& velocity);
+    /// From now on the wall's velocity along its normal follows a force (see WallServo); a drive without
+    /// speed_per_force ends that.
+    void drive_wall(std::size_t wall, const WallDrive& drive);
     const Walls& walls() const { return walls_; }
     /// The volume that stress, porosity and stiffness are taken over in place of the cell's (m³). It follows
     /// the velocity gradient by itself; what walls add by their own velocity the caller sets anew.

@@ -23,6 +23,12 @@ void add_to(ContactSums& total, const ContactSums& part) {
     total.power += part.power;
 }
 
+void check_number(std::size_t wall, std::size_t walls) {
+    if (wall >= walls)
+        throw std::invalid_argument("wall " + std::to_string(wall) + ": there are " + std::to_string(walls) +
+                                    ", counted from 0");
+}
+
 }  // namespace
 
 std::size_t Simulation::add_wall(const Wall& wall) {
@@ -32,10 +38,13 @@ std::size_t Simulation::add_wall(const Wall& wall) {
 }
 
 void Simulation::set_wall_velocity(std::size_t wall, const Eigen::Vector3d& velocity) {
-    if (wall >= walls_.size())
-        throw std::invalid_argument("wall " + std::to_string(wall) + ": there are " +
-                                    std::to_string(walls_.size()));
+    check_number(wall, walls_.size());
     walls_.set_velocity(wall, velocity);
+}
+
+void Simulation::drive_wall(std::size_t wall, const WallDrive& drive) {
+    check_number(wall, walls_.size());
+    walls_.drive(wall, drive);
 }
 
 void Simulation::set_reference_volume(double volume) {

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <stdexcept>
 
@@ -49,6 +50,14 @@ Eigen::Vector3d Wall::nearest(const Eigen::Vector3d& point) const {
 
 double Wall::area() const {
     return edge_a.norm() * edge_b.norm();
+}
+
+void WallDrive::validate() const {
+    require(std::isfinite(force), "force of a wall drive", force, "finite (N)");
+    require(std::isfinite(speed_per_force) && speed_per_force >= 0, "speed_per_force of a wall drive",
+            speed_per_force, ">= 0 (m/s/N)");
+    require(mean_over >= 1, "mean_over of a wall drive", mean_over, ">= 1 (steps)");
+    require(std::isfinite(limit) && limit >= 0, "limit of a wall drive", limit, ">= 0 (m/s)");
 }
 
 }  // namespace loam::engine

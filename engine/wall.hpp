@@ -29,4 +29,15 @@ struct Wall {
     double area() const;
 };
 
+/// What makes a wall follow a force, step by step: its speed along its normal is missing·speed_per_force +
+/// mean of the speeds so far, within the limit. Being a mean of limited speeds, that part does not wind up.
+struct WallDrive {
+    double force = 0;            // that contacts press on the wall with, against its normal (N)
+    double speed_per_force = 0;  // m/s/N; 0: no drive
+    double mean_over = 1;        // steps, >= 1
+    double limit = 0;            // m/s
+
+    void validate() const;  // throws std::invalid_argument
+};
+
 }  // namespace loam::engine

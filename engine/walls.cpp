@@ -37,15 +37,35 @@ void Walls::add(const Wall& wall) {
     state.per_a = wall.edge_a / wall.edge_a.squaredNorm();
     state.per_b = wall.edge_b / wall.edge_b.squaredNorm();
     walls_.push_back(std::move(state));
-    fastest_ = std::max(fastest_, wall.velocity.norm());
+    find_fastest();
 }
 
 void Walls::set_velocity(std::size_t k, const Vector3d& velocity) {
     if (!velocity.allFinite())
         throw std::invalid_argument("wall " + std::to_string(k) + ": its velocity must be finite");
     at(k).wall.velocity = velocity;
+    find_fastest();
+}
+
+void Walls::find_fastest() {
     fastest_ = 0;
     for (const State& state : walls_) fastest_ = std::max(fastest_, state.wall.velocity.norm());
+}
+
+void Walls::drive(std::size_t k, const WallDrive& drive) {
+    drive.validate();
+    at(k).drive = drive;
+    if (drive.speed_per_force == 0) at(k).mean_speed = 0;
+}
+
+void Walls::follow_drive(State& state) {
+    const WallDrive& drive = state.drive;
+    const double missing = drive.force + state.force.dot(state.normal);
+    const double speed =
+        std::clamp(missing * drive.speed_per_force + state.mean_speed, -drive.limit, drive.limit);
+    state.mean_speed += (speed - state.mean_speed) / drive.mean_over;
+    Vector3d& v = state.wall.velocity;
+    v += (speed - v.dot(state.normal)) * state.normal;
 }
 
 /// Normal to the wall a sphere is near within its reach. Along the wall the rectangle may slide past the
@@ -175,8 +195,15 @@ double Walls::take_forces(const ParticleRow* particles, ForceRow* forces) {
 }
 
 void Walls::move(double dt, const Matrix3d& gradient) {
-    for (State& state : walls_)
+    bool driven = false;
+    for (State& state : walls_) {
+        if (state.drive.speed_per_force > 0) {
+            follow_drive(state);
+            driven = true;
+        }
         state.wall.origin += dt * (gradient * state.wall.centre() + state.wall.velocity);
+    }
+    if (driven) find_fastest();
 }
 
 void Walls::record(std::size_t k, const ContactSums& sums) {

@@ -34,6 +34,7 @@ class Walls {
     /// Throws std::invalid_argument.
     void add(const Wall& wall);
     void set_velocity(std::size_t k, const Eigen::Vector3d& velocity);
+    void drive(std::size_t k, const WallDrive& drive);
 
     /// Finds the spheres whose gap to a wall is below `reach` times their diameter, carries the history of
     /// contacts over, and makes room for the feet behind the `count` particles and two dummies.
@@ -44,6 +45,7 @@ class Walls {
     /// Sums the forces on the feet of each wall and clears them. Returns the power of the forces on the walls
     /// (W), relative to the mean field.
     double take_forces(const ParticleRow* particles, ForceRow* forces);
+    /// Moves the walls, those with a drive by the forces of this step.
     void move(double dt, const Eigen::Matrix3d& gradient);
     PairList& pairs(std::size_t k) { return at(k).pairs; }
     void record(std::size_t k, const ContactSums& sums);
@@ -56,6 +58,8 @@ class Walls {
   private:
     struct State {
         Wall wall;
+        WallDrive drive;
+        double mean_speed = 0;                 // of the drive (m/s)
         Eigen::Vector3d normal, per_a, per_b;  // per_a: edge_a over its squared length (1/m)
         PairList pairs;
         std::size_t first_foot = 0;  // the row of the foot of the first pair
@@ -63,6 +67,8 @@ class Walls {
         double contacts = 0, stiffness = 0;
         double mean_radius_squared = 0;  // of the pairs
     };
+    void find_fastest();
+    static void follow_drive(State& state);
     template <bool still>
     static double place_feet(const State& state, ParticleRow* particles, const Eigen::Matrix3d& gradient);
     static double turning(const State& state, const Eigen::Matrix3d& gradient);
