@@ -50,9 +50,13 @@ const Measurement& StressServo::advance(Simulation& simulation) {
         else if (std::abs(missing) < 0.8 * std::abs(before))
             ease_[k] = std::max(1.0, 0.8 * ease_[k]);
         missing_before_[k] = missing;
-        const double rate =
+        const double wanted =
             ease_[k] * missing / (stiffness * options_.relaxation_steps * simulation.time_step());
-        gradient(k, k) = -std::clamp(rate, -limit, limit);
+        const double rate = std::clamp(wanted + mean_rate_[k], -limit, limit);
+        if (options_.mean_over > 0)
+            mean_rate_[k] +=
+                std::min(1.0, options_.measure_every / options_.mean_over) * (rate - mean_rate_[k]);
+        gradient(k, k) = -rate;
     }
     simulation.set_velocity_gradient(gradient);
     return simulation.advance(options_.measure_every);

@@ -23,6 +23,7 @@ struct ServoOptions {
     double stress_tolerance = 0.01;  // relative, every axis
     double unbalanced_ratio = 0.01;  // at rest below this
     double relaxation_steps = 60;    // time constant of the servo, in steps, for the affine stiffness
+    double mean_over = 0;            // steps; see StressServo. 0: no mean
     int measure_every = 5;           // steps
     std::uint64_t max_steps = 2'000'000;
     /// The normal stresses to be steered (Pa), e.g. the pressures on the walls of a box; without it
@@ -40,7 +41,9 @@ struct ServoSummary {
 /// Steers the velocity gradient so that the normal stresses approach a target, with shear rates zero; an axis
 /// whose target is NaN keeps its length. The strain rate of an axis is what it misses over the affine
 /// stiffness and the relaxation time; because that stiffness is an upper estimate, nearly nil while a packing
-/// yields, the rate is eased where the stress does not follow.
+/// yields, the rate is eased where the stress does not follow. Where a lasting rate is needed, as at the
+/// sides of a specimen that is compressed along its axis, the axis's mean rate over options.mean_over steps
+/// is added, so that no stress stays missing.
 class StressServo {
   public:
     /// `target` [3] (Pa) has at least one number. Throws std::invalid_argument.
@@ -60,6 +63,7 @@ class StressServo {
     double scale_ = 0;  // mean of the targets (Pa)
     ServoOptions options_;
     Eigen::Vector3d ease_ = Eigen::Vector3d::Ones(), missing_before_ = Eigen::Vector3d::Zero();
+    Eigen::Vector3d mean_rate_ = Eigen::Vector3d::Zero();  // 1/s
 };
 
 /// Brings the packing to these normal stresses (Pa; NaN: the axis keeps its length) and to rest. `each` is
