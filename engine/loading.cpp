@@ -27,15 +27,22 @@ StressServo::StressServo(const Eigen::Vector3d& target, const ServoOptions& opti
     scale_ /= axes;
 }
 
+Eigen::Vector3d StressServo::stress(const Simulation& simulation) const {
+    if (options_.stress_of) return options_.stress_of(simulation);
+    return simulation.measured().stress.diagonal();
+}
+
 const Measurement& StressServo::advance(Simulation& simulation) {
     const Measurement& now = simulation.measured();
     const double limit = rate_for_inertial_number(options_.inertial_number, std::max(now.mean_stress, scale_),
                                                   simulation.mean_diameter(), simulation.grain_density());
     const double stiffness = std::max(now.affine_stiffness, scale_);  // a floor keeps a loose cloud moving
+    const Eigen::Vector3d present = stress(simulation);
     Eigen::Matrix3d gradient = Eigen::Matrix3d::Zero();
     for (int k = 0; k < 3; ++k) {
+        gradient(k, k) = 0.0 - rates_[k];
         if (std::isnan(target_[k])) continue;
-        const double missing = target_[k] - now.stress(k, k), before = missing_before_[k];
+        const double missing = target_[k] - present[k], before = missing_before_[k];
         if (missing * before <= 0)
             ease_[k] = std::max(1.0, 0.25 * ease_[k]);  // passed the target
         else if (std::abs(missing) > 0.97 * std::abs(before))
@@ -43,18 +50,23 @@ const Measurement& StressServo::advance(Simulation& simulation) {
         else if (std::abs(missing) < 0.8 * std::abs(before))
             ease_[k] = std::max(1.0, 0.8 * ease_[k]);
         missing_before_[k] = missing;
-        const double rate =
+        const double wanted =
             ease_[k] * missing / (stiffness * options_.relaxation_steps * simulation.time_step());
-        gradient(k, k) = -std::clamp(rate, -limit, limit);
+        const double rate = std::clamp(wanted + mean_rate_[k], -limit, limit);
+        if (options_.mean_over > 0)
+            mean_rate_[k] +=
+                std::min(1.0, options_.measure_every / options_.mean_over) * (rate - mean_rate_[k]);
+        gradient(k, k) = -rate;
     }
     simulation.set_velocity_gradient(gradient);
     return simulation.advance(options_.measure_every);
 }
 
-double StressServo::stress_error(const Measurement& now) const {
+double StressServo::stress_error(const Simulation& simulation) const {
+    const Eigen::Vector3d present = stress(simulation);
     double largest = 0;
     for (int k = 0; k < 3; ++k)
-        if (!std::isnan(target_[k])) largest = std::max(largest, std::abs(now.stress(k, k) - target_[k]));
+        if (!std::isnan(target_[k])) largest = std::max(largest, std::abs(present[k] - target_[k]));
     return largest / scale_;
 }
 
@@ -68,7 +80,7 @@ ServoSummary hold_stress(Simulation& simulation, const Eigen::Vector3d& target, 
     for (int good = 0; simulation.steps() - start < options.max_steps;) {
         const Measurement& now = servo.advance(simulation);
         if (each && !each(now)) break;
-        summary.stress_error = servo.stress_error(now);
+        summary.stress_error = servo.stress_error(simulation);
         summary.unbalanced_ratio = now.unbalanced_ratio;
         const bool at_rest = summary.stress_error < options.stress_tolerance &&
                              summary.unbalanced_ratio < options.unbalanced_ratio;

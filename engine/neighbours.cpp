@@ -20,10 +20,6 @@ Vector3i image_vector(std::int32_t index) {
     return {index / 9 - 1, (index / 3) % 3 - 1, index % 3 - 1};
 }
 
-std::uint32_t row_offset(std::int32_t particle) {
-    return static_cast<std::uint32_t>(particle) * static_cast<std::uint32_t>(row_bytes);
-}
-
 /// One number for an image; those of old pairs may reach ±3 after wrapping.
 std::int32_t image_code(const Vector3i& n) {
     return (n.x() + 3) * 64 + (n.y() + 3) * 8 + (n.z() + 3);
@@ -137,21 +133,25 @@ void fill_pairs(const RebuildBuffers& b, const AlignedVector<ParticleRow>& parti
         for (std::size_t q = 0; q < out.further.size(); ++q)
             out.further[q][k] = at == no_bond ? 0.0 : old.further[q][at];
     }
-    for (std::size_t k = out.count; k < out.padded(); ++k) {  // the two dummies, a metre apart, never touch
-        out.i[k] = static_cast<std::int32_t>(count);
-        out.j[k] = static_cast<std::int32_t>(count + 1);
-        out.row_i[k] = row_offset(out.i[k]);
-        out.row_j[k] = row_offset(out.j[k]);
-        out.image[k] = image_home;
-        out.radius_sum[k] = 1e-3;  // what is divided by must not be zero
-        out.reduced_radius[k] = 1.0;
-        out.area[k] = out.shear[0][k] = out.shear[1][k] = out.shear[2][k] = 0.0;
-        out.bond[k] = bond_none;
-        for (auto& values : out.further) values[k] = 0.0;
-    }
+    fill_with_dummies(out, count);
 }
 
 }  // namespace
+
+void fill_with_dummies(PairList& pairs, std::size_t count) {
+    for (std::size_t k = pairs.count; k < pairs.padded(); ++k) {
+        pairs.i[k] = static_cast<std::int32_t>(count);
+        pairs.j[k] = static_cast<std::int32_t>(count + 1);
+        pairs.row_i[k] = row_offset(pairs.i[k]);
+        pairs.row_j[k] = row_offset(pairs.j[k]);
+        pairs.image[k] = image_home;
+        pairs.radius_sum[k] = 1e-3;  // what is divided by must not be zero
+        pairs.reduced_radius[k] = 1.0;
+        pairs.area[k] = pairs.shear[0][k] = pairs.shear[1][k] = pairs.shear[2][k] = 0.0;
+        pairs.bond[k] = bond_none;
+        for (auto& values : pairs.further) values[k] = 0.0;
+    }
+}
 
 void PairList::resize_padded(std::size_t n) {
     count = n;

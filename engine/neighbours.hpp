@@ -25,6 +25,15 @@ struct RebuildBuffers {
     PairList old;
 };
 
+/// Where the row of a particle starts (bytes).
+constexpr std::uint32_t row_offset(std::int32_t particle) {
+    return static_cast<std::uint32_t>(particle) * static_cast<std::uint32_t>(row_bytes);
+}
+
+/// Fills the padding behind the last pair with the two dummies after the `count` particles, which never
+/// touch.
+void fill_with_dummies(PairList& pairs, std::size_t count);
+
 /// Wraps all particles into the cell, finds every pair (and periodic copy) whose gap is below `skin`·(R_i +
 /// R_j), and carries over bond and shear of the pairs that were in the list and still have a bond. Pairs with
 /// an active bond are kept at any distance. `particles` holds `count` real rows and then two dummies. Throws

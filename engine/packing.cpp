@@ -6,8 +6,11 @@
 namespace loam::engine {
 
 double Packing::porosity() const {
-    const double solid = 4.0 / 3.0 * 3.14159265358979323846 * radii.array().cube().sum();
-    return 1.0 - solid / cell.determinant();
+    return 1.0 - solid_volume() / cell.determinant();
+}
+
+double Packing::solid_volume() const {
+    return 4.0 / 3.0 * 3.14159265358979323846 * radii.array().cube().sum();
 }
 
 double Packing::void_ratio() const {

@@ -19,6 +19,7 @@ struct Packing {
     /// Volume of voids over volume of the cell; overlaps are counted twice, as laboratories count grains.
     double porosity() const;
     double void_ratio() const;
+    double solid_volume() const;  // of the spheres (m³)
 };
 
 /// Throws std::invalid_argument when sizes differ, a number is not finite, a radius or the cell's volume is

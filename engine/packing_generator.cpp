@@ -1,9 +1,11 @@
-// The packing generator of packing.hpp.
+// The packing generators of packing.hpp and boxed_packing.hpp.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <stdexcept>
 
+#include "engine/boxed_packing.hpp"
+#include "engine/cloud.hpp"
 #include "engine/loading.hpp"
 #include "engine/packing.hpp"
 #include "engine/require.hpp"
@@ -12,80 +14,13 @@
 namespace loam::engine {
 namespace {
 
-using Eigen::Index;
 using Eigen::Vector3d;
 
-constexpr double cloud_porosity = 0.62;       // of the cloud before compaction
 constexpr double high_friction = 1.2;         // rad: gives the loosest packings
 constexpr double lowest_friction = 0.003;     // rad: below it nothing gets denser
 constexpr double preparation_density = 2600;  // kg/m³; the result does not depend on it
 constexpr double compaction_inertia = 8e-3;   // inertial number while the cloud is closed
 constexpr double settling_inertia = 3e-3;     // inertial number of the servo afterwards
-
-/// splitmix64 (Steele, Lea & Flood 2014): the same numbers on every platform.
-class Random {
-  public:
-    explicit Random(std::uint64_t seed) : state_(seed) {}
-    double uniform() {
-        state_ += 0x9e3779b97f4a7c15ull;
-        std::uint64_t z = state_;
-        z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
-        z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
-        return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1.0p-53;
-    }
-
-  private:
-    std::uint64_t state_;
-};
-
-/// Spheres without overlap at random in a cubic periodic cell, the largest first (random sequential addition
-/// on a grid of bins as wide as the largest sphere).
-Packing make_cloud(const PackingOptions& options) {
-    Random random(options.seed);
-    const Index n = static_cast<Index>(options.particles);
-    Packing cloud;
-    cloud.radii.resize(n);
-    cloud.centres.resize(3, n);
-    // Stratified sizes: every packing has the same grading up to the jitter inside the strata.
-    for (Index p = 0; p < n; ++p) {
-        const double u = (static_cast<double>(n - 1 - p) + random.uniform()) / static_cast<double>(n);
-        cloud.radii[p] = options.mean_radius * (1 + options.size_spread * (2 * u - 1));
-    }
-    const double solid = 4.0 / 3.0 * 3.14159265358979323846 * cloud.radii.array().cube().sum();
-    const double side = std::cbrt(solid / (1 - cloud_porosity));
-    cloud.cell = Eigen::Matrix3d::Identity() * side;
-    const int bins = std::max(1, static_cast<int>(side / (2 * cloud.radii.maxCoeff())));
-    std::vector<std::vector<Index>> members(static_cast<std::size_t>(bins * bins * bins));
-    const auto bin = [&](double x) { return std::min(bins - 1, static_cast<int>(x / side * bins)); };
-    const auto index = [&](int a, int b, int c) {
-        const auto w = [&](int k) { return (k + bins) % bins; };
-        return static_cast<std::size_t>((w(a) * bins + w(b)) * bins + w(c));
-    };
-    const auto is_free = [&](const Vector3d& x, double r) {
-        for (int a = -1; a <= 1; ++a)
-            for (int b = -1; b <= 1; ++b)
-                for (int c = -1; c <= 1; ++c)
-                    for (const Index q : members[index(bin(x[0]) + a, bin(x[1]) + b, bin(x[2]) + c)]) {
-                        Vector3d d = cloud.centres.col(q) - x;
-                        for (int k = 0; k < 3; ++k) d[k] -= side * std::round(d[k] / side);
-                        if (d.norm() < r + cloud.radii[q]) return false;
-                    }
-        return true;
-    };
-    for (Index p = 0; p < n; ++p) {
-        Vector3d x;
-        int tries = 0;
-        do {
-            for (int k = 0; k < 3; ++k) x[k] = side * random.uniform();
-            if (++tries > 200000)
-                throw std::runtime_error(
-                    "no room for the particles of the packing; a smaller size_spread helps");
-        } while (!is_free(x, cloud.radii[p]));
-        cloud.centres.col(p) = x;
-        members[index(bin(x[0]), bin(x[1]), bin(x[2]))].push_back(p);
-    }
-    return cloud;
-}
 
 LinearCohesive preparation_law(const PackingOptions& options, double friction) {
     LinearCohesive law;
@@ -150,6 +85,49 @@ class Densification {
     double friction_ = high_friction;
 };
 
+SimulationOptions preparation() {
+    SimulationOptions how;
+    how.grain_density = preparation_density;
+    how.neighbour_skin = 0.1;  // particles move far here
+    return how;
+}
+
+/// Makes a packing of the cloud in the simulation, by the velocity gradient; says all but the packing itself.
+PackingResult compact(Simulation& simulation, const PackingOptions& options,
+                      const std::function<bool()>& cancelled) {
+    const auto started = std::chrono::steady_clock::now();
+    const std::function<void()> poll = [&] {
+        if (cancelled && cancelled()) throw std::runtime_error("cancelled");
+    };
+    // Close the cloud: isotropic compression until the stress is reached.
+    const double rate = rate_for_inertial_number(compaction_inertia, options.stress,
+                                                 simulation.mean_diameter(), preparation_density);
+    simulation.set_velocity_gradient(-Eigen::Matrix3d::Identity() * rate);
+    while (simulation.advance(20).mean_stress < options.stress && simulation.porosity() > 0.05) poll();
+
+    ServoOptions servo;
+    servo.inertial_number = settling_inertia;
+    servo.unbalanced_ratio = 0.02;
+    servo.max_steps = 200'000;
+    consolidate(simulation, options.stress, servo, cancelled);
+
+    Densification way(simulation, options, servo, poll);
+    const bool rested = way.run();
+    PackingResult result;
+    result.packing = simulation.packing();
+    result.porosity = 1.0 - result.packing.solid_volume() / simulation.volume();
+    result.reached = std::abs(result.porosity - options.target_porosity) <= options.tolerance;
+    result.stress = simulation.measured().mean_stress;
+    result.steps = simulation.steps();
+    result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+    result.stopped_by = !rested          ? "no rest within the steps allowed"
+                        : result.reached ? "target porosity reached"
+                        : way.friction() > lowest_friction
+                            ? "looser than friction can hold: the loosest packing"
+                            : "denser than a packing without friction: the densest packing";
+    return result;
+}
+
 }  // namespace
 
 void PackingOptions::validate() const {
@@ -165,41 +143,24 @@ void PackingOptions::validate() const {
 
 PackingResult make_packing(const PackingOptions& options, const std::function<bool()>& cancelled) {
     options.validate();
-    const auto started = std::chrono::steady_clock::now();
-    const std::function<void()> poll = [&] {
-        if (cancelled && cancelled()) throw std::runtime_error("cancelled");
-    };
-    SimulationOptions how;
-    how.grain_density = preparation_density;
-    how.neighbour_skin = 0.1;  // particles move far here
-    Simulation simulation(make_cloud(options), preparation_law(options, high_friction), how);
-    PackingResult result;
+    Simulation simulation(make_cloud(options), preparation_law(options, high_friction), preparation());
+    return compact(simulation, options, cancelled);
+}
 
-    // Close the cloud: isotropic compression until the stress is reached.
-    const double rate = rate_for_inertial_number(compaction_inertia, options.stress,
-                                                 simulation.mean_diameter(), preparation_density);
-    simulation.set_velocity_gradient(-Eigen::Matrix3d::Identity() * rate);
-    while (simulation.advance(20).mean_stress < options.stress && simulation.porosity() > 0.05) poll();
+void BoxedPackingOptions::validate() const {
+    PackingOptions::validate();
+    require(proportions.allFinite() && proportions.minCoeff() > 0, "proportions of the box",
+            proportions.minCoeff(), "positive");
+    require(margin >= 0.1 && margin <= 2, "margin", margin, "within 0.1..2");
+}
 
-    ServoOptions servo;
-    servo.inertial_number = settling_inertia;
-    servo.unbalanced_ratio = 0.02;
-    servo.max_steps = 200'000;
-    consolidate(simulation, options.stress, servo, cancelled);
-
-    Densification way(simulation, options, servo, poll);
-    const bool rested = way.run();
-    result.packing = simulation.packing();
-    result.porosity = result.packing.porosity();
-    result.reached = std::abs(result.porosity - options.target_porosity) <= options.tolerance;
-    result.stress = simulation.measured().mean_stress;
-    result.steps = simulation.steps();
-    result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
-    result.stopped_by = !rested          ? "no rest within the steps allowed"
-                        : result.reached ? "target porosity reached"
-                        : way.friction() > lowest_friction
-                            ? "looser than friction can hold: the loosest packing"
-                            : "denser than a packing without friction: the densest packing";
+BoxedPackingResult make_boxed_packing(const BoxedPackingOptions& options,
+                                      const std::function<bool()>& cancelled) {
+    options.validate();
+    const BoxedCloud cloud = make_boxed_cloud(options, options.proportions, options.margin);
+    Simulation simulation(cloud.packing, preparation_law(options, high_friction), preparation());
+    const BoxWalls walls = add_box(simulation, cloud.box);
+    BoxedPackingResult result{compact(simulation, options, cancelled), present_box(simulation, walls)};
     return result;
 }
 

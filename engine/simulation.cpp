@@ -103,6 +103,7 @@ void Simulation::set_law(const ContactLaw& law) {
     law_ = law;
     pairs_.further.resize(composition_.history);
     for (auto& values : pairs_.further) values.resize(pairs_.padded());  // new history starts at zero
+    walls_.set_history(composition_.history);
     set_time_step();
 }
 
@@ -123,7 +124,7 @@ void Simulation::follow_stiffness() {
 }
 
 double Simulation::volume() const {
-    return cell_.determinant();
+    return reference_volume_ > 0 ? reference_volume_ : cell_.determinant();
 }
 
 const Measurement& Simulation::advance(int steps) {
@@ -139,6 +140,8 @@ const Measurement& Simulation::advance(int steps) {
     if (measured_.max_overlap > 0.5)
         throw std::runtime_error(
             "particles overlap by more than half of their size: the contacts are too soft");
+    if (walls_.pierced())
+        throw std::runtime_error("a particle was pressed into a wall by half of its radius or more");
     follow_stiffness();
     return measured_;
 }
@@ -156,8 +159,10 @@ void Simulation::step(Measure measure) {
     if (measure == Measure::all) record(contacts, motion);
     if (options_.energy_balance) balance_energy(contacts, motion, measure);
     deform_cell();
-    drift_since_check_ += dt_ * (2 * std::sqrt(motion.max_speed_squared) / smallest_diameter_ +
-                                 gradient_.norm() * (1 + options_.neighbour_skin));
+    double speed = std::sqrt(motion.max_speed_squared);
+    if (!walls_.empty()) speed = std::max(speed, walls_.largest_speed(gradient_));
+    drift_since_check_ +=
+        dt_ * (2 * speed / smallest_diameter_ + gradient_.norm() * (1 + options_.neighbour_skin));
     ++steps_;
 }
 
@@ -186,19 +191,43 @@ double Simulation::drift_since_build() const {
         largest = std::max(largest, (x - cell_ * built_at_[p]).squaredNorm());
     }
     const Eigen::Matrix3d deformation = cell_ * built_cell_.inverse() - Eigen::Matrix3d::Identity();
-    return 2 * std::sqrt(largest) / smallest_diameter_ + deformation.norm() * (1 + options_.neighbour_skin);
+    double way = std::sqrt(largest);
+    if (!walls_.empty()) way = std::max(way, walls_.motion_since_build(cell_ * built_cell_.inverse()));
+    return 2 * way / smallest_diameter_ + deformation.norm() * (1 + options_.neighbour_skin);
 }
 
 void Simulation::rebuild_neighbours() {
+    if (!walls_.empty()) check_enclosed();
     rebuild_pairs(pairs_, rebuild_buffers_, particles_, count_, cell_, options_.neighbour_skin);
     const Eigen::Matrix3d inverse = cell_.inverse();
     built_at_.resize(count_);
     for (std::size_t p = 0; p < count_; ++p)
         built_at_[p] = inverse * Eigen::Vector3d(particles_[p].x[0], particles_[p].x[1], particles_[p].x[2]);
     built_cell_ = cell_;
+    if (!walls_.empty()) walls_.rebuild(particles_, spins_, forces_, count_, options_.neighbour_skin);
     drift_confirmed_ = drift_since_check_ = 0;
     reachable_ = 0;
     ++rebuilds_;
+}
+
+ContactLoop Simulation::contact_loop(Measure measure) const {
+    return kernel_
+        ->contacts[composition_.base][static_cast<int>(composition_.turning)][static_cast<int>(measure)];
+}
+
+void Simulation::point_to(PairList& pairs, std::size_t padded, ContactArguments& a) {
+    a.padded_pairs = padded;
+    a.row_i = pairs.row_i.data();
+    a.row_j = pairs.row_j.data();
+    a.image = pairs.image.data();
+    a.radius_sum = pairs.radius_sum.data();
+    a.reduced_radius = pairs.reduced_radius.data();
+    a.area = pairs.area.data();
+    a.shear_x = pairs.shear[0].data();
+    a.shear_y = pairs.shear[1].data();
+    a.shear_z = pairs.shear[2].data();
+    a.bond = pairs.bond.data();
+    for (std::size_t q = 0; q < pairs.further.size(); ++q) a.further[q] = pairs.further[q].data();
 }
 
 void Simulation::contact_forces(ContactSums& sums, Measure measure) {
@@ -212,23 +241,12 @@ void Simulation::contact_forces(ContactSums& sums, Measure measure) {
     a.spins = spins_.data();
     a.forces = forces_.data();
     a.shifts = &shifts[0][0];
-    a.padded_pairs = reachable_;
-    a.row_i = pairs_.row_i.data();
-    a.row_j = pairs_.row_j.data();
-    a.image = pairs_.image.data();
-    a.radius_sum = pairs_.radius_sum.data();
-    a.reduced_radius = pairs_.reduced_radius.data();
-    a.area = pairs_.area.data();
-    a.shear_x = pairs_.shear[0].data();
-    a.shear_y = pairs_.shear[1].data();
-    a.shear_z = pairs_.shear[2].data();
-    a.bond = pairs_.bond.data();
+    point_to(pairs_, reachable_, a);
     to_row_major(gradient_, a.velocity_gradient);
     a.dt = dt_;
     a.law = composition_.numbers;
-    for (std::size_t q = 0; q < pairs_.further.size(); ++q) a.further[q] = pairs_.further[q].data();
-    kernel_->contacts[composition_.base][static_cast<int>(composition_.turning)][static_cast<int>(measure)](
-        a, sums);
+    contact_loop(measure)(a, sums);
+    if (!walls_.empty()) wall_forces(a, sums, measure);
 }
 
 void Simulation::integrate(IntegrateSums& sums, Measure measure) {
@@ -244,6 +262,9 @@ void Simulation::integrate(IntegrateSums& sums, Measure measure) {
 }
 
 void Simulation::deform_cell() {
+    if (!walls_.empty()) walls_.move(dt_, gradient_);
+    if (reference_volume_ > 0)
+        reference_volume_ *= (Eigen::Matrix3d::Identity() + dt_ * gradient_).determinant();
     cell_ += dt_ * (gradient_ * cell_);
 }
 
@@ -253,8 +274,10 @@ void Simulation::record(const ContactSums& contacts, const IntegrateSums& motion
         for (int q = 0; q < 3; ++q) measured_.stress(p, q) = contacts.stress[3 * p + q] / v;
     measured_.mean_stress = measured_.stress.trace() / 3;
     measured_.contacts = contacts.contacts;
-    measured_.coordination_number = 2 * contacts.contacts / n;
-    const double mean_contact = contacts.contacts > 0 ? contacts.normal_force / contacts.contacts : 0;
+    measured_.wall_contacts = walls_.contacts();
+    measured_.coordination_number = (2 * contacts.contacts + measured_.wall_contacts) / n;
+    const double all_contacts = contacts.contacts + measured_.wall_contacts;
+    const double mean_contact = all_contacts > 0 ? contacts.normal_force / all_contacts : 0;
     measured_.unbalanced_ratio = mean_contact > 0 ? motion.force_norm / n / mean_contact : 1.0;
     measured_.max_overlap = contacts.max_overlap;
     measured_.affine_stiffness = contacts.stiffness_sum / (9 * v);

@@ -1,6 +1,6 @@
-// A simulation: spheres in a periodic cell that follows a velocity gradient.
-// Conventions: SI; compression positive in stress and strain; the velocity gradient is L (1/s), negative for
-// compression.
+// A simulation: spheres in a periodic cell that follows a velocity gradient, or between rigid walls in such a
+// cell. Conventions: SI; compression positive in stress and strain; the velocity gradient is L (1/s),
+// negative for compression.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,6 +10,7 @@
 #include "engine/neighbours.hpp"
 #include "engine/packing.hpp"
 #include "engine/state.hpp"
+#include "engine/walls.hpp"
 
 namespace loam::engine {
 
@@ -35,19 +36,20 @@ struct StepTimes {
 struct Measurement {
     Eigen::Matrix3d stress = Eigen::Matrix3d::Zero();  // Love-Weber (Pa), compression positive
     double mean_stress = 0;                            // Pa
-    double contacts = 0;                               // number of contacts
-    double coordination_number = 0;                    // 2 contacts / particles
-    double unbalanced_ratio = 0;  // mean |force on a particle| over mean |normal contact force|
-    double max_overlap = 0;       // largest overlap over R_i + R_j
-    double affine_stiffness = 0;  // sum k_n l² / (9 V): upper estimate of the bulk modulus (Pa)
-    double elastic_energy = 0;    // J
-    double kinetic_energy = 0;    // J, relative to the mean velocity field
+    double contacts = 0;                               // number of contacts between particles
+    double wall_contacts = 0;
+    double coordination_number = 0;  // contacts of a particle, those with walls among them
+    double unbalanced_ratio = 0;     // mean |force on a particle| over mean |normal contact force|
+    double max_overlap = 0;          // largest overlap over R_i + R_j
+    double affine_stiffness = 0;     // sum k_n l² / (9 V): upper estimate of the bulk modulus (Pa)
+    double elastic_energy = 0;       // J
+    double kinetic_energy = 0;       // J, relative to the mean velocity field
 };
 
 /// Energies integrated since the start or the last restart_energy_balance, where options.energy_balance is on
 /// (J).
 struct EnergyBalance {
-    double work = 0;          // done by the cell's deformation on the packing
+    double work = 0;          // done by the cell's deformation and the walls on the packing
     double sliding = 0;       // lost by friction and broken cohesion
     double damping = 0;       // taken out by local damping
     double stored_start = 0;  // elastic and kinetic energy at the start
@@ -71,13 +73,28 @@ class Simulation {
     Simulation(const Packing& packing, const ContactLaw& law, const SimulationOptions& options);
 
     /// Advances `steps` >= 1 steps and measures the last. Throws std::runtime_error when the state is no
-    /// longer finite, an overlap exceeds half of a radius sum, or the cell collapses.
+    /// longer finite, an overlap exceeds half of a radius sum, the cell collapses, or, with walls, a particle
+    /// comes near the cell's faces.
     const Measurement& advance(int steps);
 
     void set_velocity_gradient(const Eigen::Matrix3d& gradient) { gradient_ = gradient; }
     const Eigen::Matrix3d& velocity_gradient() const { return gradient_; }
     /// Changes the parameters; contacts keep their history, the time step follows the modulus.
     void set_law(const ContactLaw& law);
+
+    /// Adds a wall that touches particles with its own friction and without cohesion, and returns its number.
+    /// A packing between walls stands free in its cell: particles must stay away from the cell's faces, so
+    /// that they do not meet their copies, and walls do not reach across. Throws std::invalid_argument.
+    std::size_t add_wall(const Wall& wall);
+    /// Relative to the mean field (m/s).
+    void set_wall_velocity(std::size_t wall, const Eigen::Vector3d& velocity);
+    /// From now on the wall's velocity along its normal follows a force (see WallServo); a drive without
+    /// speed_per_force ends that.
+    void drive_wall(std::size_t wall, const WallDrive& drive);
+    const Walls& walls() const { return walls_; }
+    /// The volume that stress, porosity and stiffness are taken over in place of the cell's (m³). It follows
+    /// the velocity gradient by itself; what walls add by their own velocity the caller sets anew.
+    void set_reference_volume(double volume);
 
     /// Velocities relative to the mean field [3 x n] (m/s); they start at zero.
     void set_velocities(const Eigen::Matrix3Xd& velocities);
@@ -93,7 +110,7 @@ class Simulation {
     /// what the contacts store without work done.
     void restart_energy_balance();
     const Eigen::Matrix3d& cell() const { return cell_; }
-    double volume() const;
+    double volume() const;  // of the cell, or the reference volume (m³)
     double time_step() const { return dt_; }
     std::uint64_t steps() const { return steps_; }
     std::uint64_t rebuilds() const { return rebuilds_; }
@@ -116,7 +133,11 @@ class Simulation {
     void update_neighbours();
     double drift_since_build() const;
     void rebuild_neighbours();
+    ContactLoop contact_loop(Measure measure) const;
     void contact_forces(ContactSums& sums, Measure measure);
+    static void point_to(PairList& pairs, std::size_t padded, ContactArguments& a);
+    void wall_forces(ContactArguments a, ContactSums& sums, Measure measure);
+    void check_enclosed() const;
     void integrate(IntegrateSums& sums, Measure measure);
     void deform_cell();
     void record(const ContactSums& contacts, const IntegrateSums& motion);
@@ -132,9 +153,11 @@ class Simulation {
     AlignedVector<SpinRow> spins_;
     AlignedVector<ForceRow> forces_;
     PairList pairs_;
+    Walls walls_;
     RebuildBuffers rebuild_buffers_;
     std::size_t reachable_ = 0;  // pairs from the first that may have met since the last rebuild
     Eigen::Matrix3d cell_, gradient_ = Eigen::Matrix3d::Zero();
+    double reference_volume_ = 0;   // 0: the cell's
     double time_step_overlap_ = 0;  // over R_i + R_j, that the time step is made for
     double dt_ = 0, solid_volume_ = 0, mean_diameter_ = 0, smallest_diameter_ = 0, largest_diameter_ = 0;
     std::uint64_t steps_ = 0, rebuilds_ = 0;
