@@ -43,7 +43,6 @@ void NeighbourGrid::fill(const AlignedVector<ParticleRow>& particles, std::size_
     cursor_.assign(start_.begin(), start_.end() - 1);
     for (auto* a : {&x_, &y_, &z_, &radius_}) a->resize(count);
     id_.resize(count);
-    hits_.resize(count);
     for (std::size_t p = 0; p < count; ++p) {
         const auto place = static_cast<std::size_t>(cursor_[static_cast<std::size_t>(bin_of_[p])]++);
         id_[place] = static_cast<std::int32_t>(p);
@@ -89,13 +88,12 @@ int NeighbourGrid::collect_runs(int x, int y, int z, const Eigen::Matrix3d& cell
     return n;
 }
 
-/// Writes the places within reach of place `own` to the front of hits_; without a branch on the distance,
+/// Writes the places within reach of place `own` to the front of `out`; without a branch on the distance,
 /// which no processor could foresee.
 std::size_t NeighbourGrid::hits_in(std::size_t own, std::size_t first, std::size_t last, const double* shift,
-                                   double stretch2) {
+                                   double stretch2, Hit* out) const {
     const double x = x_[own] - shift[0], y = y_[own] - shift[1], z = z_[own] - shift[2], r = radius_[own];
     const double *xs = x_.data(), *ys = y_.data(), *zs = z_.data(), *rs = radius_.data();
-    Hit* out = hits_.data();
     std::size_t n = 0;
     for (std::size_t q = first; q < last; ++q) {
         const double dx = xs[q] - x, dy = ys[q] - y, dz = zs[q] - z, sum = r + rs[q];
@@ -108,45 +106,70 @@ std::size_t NeighbourGrid::hits_in(std::size_t own, std::size_t first, std::size
 }
 
 void NeighbourGrid::search_bin(std::int32_t bin, const Run* runs, int run_count, double skin,
-                               std::vector<NearPair>& pairs, std::size_t& found) {
+                               Found& found) const {
     const double stretch2 = (1 + skin) * (1 + skin);
     const auto first = static_cast<std::size_t>(start_[static_cast<std::size_t>(bin)]),
                last = static_cast<std::size_t>(start_[static_cast<std::size_t>(bin) + 1]);
     const double at_home[3] = {};
+    std::vector<NearPair>& pairs = found.pairs;
+    const Hit* near = found.hits.data();
     for (std::size_t own = first; own < last; ++own) {
         for (int r = -1; r < run_count; ++r) {  // the rest of the own bin, then the other runs
             const bool home = r < 0;
-            const std::size_t hits =
-                home ? hits_in(own, own + 1, last, at_home, stretch2)
-                     : hits_in(own, static_cast<std::size_t>(runs[r].first),
-                               static_cast<std::size_t>(runs[r].last), runs[r].shift, stretch2);
-            if (pairs.size() < found + hits) pairs.resize(2 * (found + hits));
+            const std::size_t hits = home ? hits_in(own, own + 1, last, at_home, stretch2, found.hits.data())
+                                          : hits_in(own, static_cast<std::size_t>(runs[r].first),
+                                                    static_cast<std::size_t>(runs[r].last), runs[r].shift,
+                                                    stretch2, found.hits.data());
+            if (pairs.size() < found.count + hits) pairs.resize(2 * (found.count + hits));
             for (std::size_t h = 0; h < hits; ++h) {
-                const std::int32_t a = id_[own], b = id_[static_cast<std::size_t>(hits_[h].place)];
+                const std::int32_t a = id_[own], b = id_[static_cast<std::size_t>(near[h].place)];
                 if (a == b) continue;  // a particle is no neighbour of its own copies
                 const int image = home ? image_home : runs[r].image;
-                const double sum = radius_[own] + radius_[static_cast<std::size_t>(hits_[h].place)];
-                pairs[found++] = {std::min(a, b), std::max(a, b), a < b ? image : image_count - 1 - image,
-                                  gap_section(hits_[h].d2 / (sum * sum), skin)};
+                const double sum = radius_[own] + radius_[static_cast<std::size_t>(near[h].place)];
+                pairs[found.count++] = {std::min(a, b), std::max(a, b),
+                                        a < b ? image : image_count - 1 - image,
+                                        gap_section(near[h].d2 / (sum * sum), skin)};
             }
         }
     }
 }
 
-std::size_t NeighbourGrid::find_pairs(const Eigen::Matrix3d& cell, double skin,
-                                      std::vector<NearPair>& pairs) {
+/// The bins from x0, as many as a cube is wide.
+void NeighbourGrid::search_slice(int x0, const Eigen::Matrix3d& cell, double skin, Found& found) const {
     std::array<Run, 16> runs;
-    std::size_t found = 0;
-    const auto visit = [&](int x, int y, int z) {
-        search_bin(index(x, y, z), runs.data(), collect_runs(x, y, z, cell, runs), skin, pairs, found);
-    };
-    for (int x0 = 0; x0 < size_[0]; x0 += cube)
-        for (int y0 = 0; y0 < size_[1]; y0 += cube)
-            for (int z0 = 0; z0 < size_[2]; z0 += cube)
-                for (int x = x0; x < std::min(x0 + cube, size_[0]); ++x)
-                    for (int y = y0; y < std::min(y0 + cube, size_[1]); ++y)
-                        for (int z = z0; z < std::min(z0 + cube, size_[2]); ++z) visit(x, y, z);
-    return found;
+    found.hits.resize(id_.size());
+    for (int y0 = 0; y0 < size_[1]; y0 += cube)
+        for (int z0 = 0; z0 < size_[2]; z0 += cube)
+            for (int x = x0; x < std::min(x0 + cube, size_[0]); ++x)
+                for (int y = y0; y < std::min(y0 + cube, size_[1]); ++y)
+                    for (int z = z0; z < std::min(z0 + cube, size_[2]); ++z)
+                        search_bin(index(x, y, z), runs.data(), collect_runs(x, y, z, cell, runs), skin,
+                                   found);
+}
+
+std::size_t NeighbourGrid::find_pairs(const Eigen::Matrix3d& cell, double skin, Crew& crew,
+                                      std::vector<NearPair>& pairs) {
+    const auto slices = static_cast<std::size_t>((size_[0] + cube - 1) / cube);
+    found_.resize(std::max(found_.size(), crew.threads() == 1 ? 1 : slices));
+    if (crew.threads() == 1) {
+        std::swap(found_[0].pairs, pairs);
+        found_[0].count = 0;
+        for (int x0 = 0; x0 < size_[0]; x0 += cube) search_slice(x0, cell, skin, found_[0]);
+        std::swap(found_[0].pairs, pairs);
+        return found_[0].count;
+    }
+    crew.run(slices, [&](std::size_t slice) {
+        found_[slice].count = 0;
+        search_slice(cube * static_cast<int>(slice), cell, skin, found_[slice]);
+    });
+    std::size_t count = 0;
+    for (std::size_t slice = 0; slice < slices; ++slice) {
+        const Found& found = found_[slice];
+        if (pairs.size() < count + found.count) pairs.resize(2 * (count + found.count));
+        std::copy_n(found.pairs.begin(), found.count, pairs.begin() + static_cast<std::ptrdiff_t>(count));
+        count += found.count;
+    }
+    return count;
 }
 
 std::vector<std::int32_t> locality_order(const Packing& packing) {

@@ -14,6 +14,7 @@ using Eigen::Vector3d;
 using Eigen::Vector3i;
 
 constexpr std::size_t no_bond = static_cast<std::size_t>(-1);
+constexpr std::size_t no_pair = static_cast<std::size_t>(-1);
 constexpr std::size_t block = 64;  // pairs that are interleaved
 
 Vector3i image_vector(std::int32_t index) {
@@ -62,23 +63,27 @@ void collect_bonds(const PairList& old, std::size_t count, RebuildBuffers& b) {
     }
 }
 
-/// Finds the bond of every near pair, moves bonded pairs to the first section, and adds the pairs whose bond
-/// reaches farther than the skin.
-void join_bonds(RebuildBuffers& b, std::size_t& pairs) {
-    std::array<std::int32_t, image_count> code;
-    for (int n = 0; n < image_count; ++n) code[static_cast<std::size_t>(n)] = image_code(image_vector(n));
-    b.bond_of.assign(pairs + b.bonds.size(), no_bond);
-    for (std::size_t k = 0; k < pairs; ++k) {
+/// Looks for the bonds of the near pairs first..last and moves bonded pairs to the first section.
+void find_bonds(RebuildBuffers& b, std::size_t first, std::size_t last) {
+    for (std::size_t k = first; k < last; ++k) {
         NearPair& pair = b.near[k];
         const auto i = static_cast<std::size_t>(pair.i);
         for (std::size_t h = b.bond_start[i]; h < b.bond_start[i + 1]; ++h) {
-            if (b.bonds[h].j != pair.j || b.bonds[h].image_code != code[static_cast<std::size_t>(pair.image)])
-                continue;
-            b.bonds[h].found = true;
-            b.bond_of[k] = b.bonds[h].at;
+            RebuildBuffers::Bond& bond = b.bonds[h];
+            if (bond.j != pair.j || bond.image_code != image_code(image_vector(pair.image))) continue;
+            bond.found = true;
+            b.bond_of[k] = bond.at;
             pair.section = 0;
         }
     }
+}
+
+constexpr std::size_t pieces = 16;  // that threads share
+
+/// Finds the bond of every near pair and adds the pairs whose bond reaches farther than the skin.
+void join_bonds(RebuildBuffers& b, Crew& crew, std::size_t& pairs) {
+    b.bond_of.assign(pairs + b.bonds.size(), no_bond);
+    crew.run(pieces, [&](std::size_t p) { find_bonds(b, p * pairs / pieces, (p + 1) * pairs / pieces); });
     if (b.near.size() < pairs + b.bonds.size()) b.near.resize(pairs + b.bonds.size());
     for (std::size_t i = 0; i + 2 < b.bond_start.size(); ++i)
         for (std::size_t h = b.bond_start[i]; h < b.bond_start[i + 1]; ++h) {
@@ -92,30 +97,47 @@ void join_bonds(RebuildBuffers& b, std::size_t& pairs) {
         }
 }
 
-/// The order of the new list: by section, pairs across the boundary first, and within every block of 64 such
-/// that the eight pairs of a group, which add their forces one after the other, stood apart before: they
-/// seldom share a particle.
-void order_pairs(RebuildBuffers& b, std::size_t pairs, PairList& out) {
-    std::array<std::size_t, 2 * gap_sections + 1> start{};
+/// The order of the new list: by part and section, pairs across the boundary first, and within every block of
+/// 64 such that the eight pairs of a group, which add their forces one after the other, stood apart before:
+/// they seldom share a particle. order[place] is the near pair, or none for padding.
+void order_pairs(RebuildBuffers& b, std::size_t pairs, std::size_t parts, PairList& out) {
+    constexpr std::size_t ranks = 2 * gap_sections;
     const auto rank = [&](std::size_t k) {
-        return 2 * static_cast<std::size_t>(b.near[k].section) + (b.near[k].image == image_home ? 1u : 0u);
+        return ranks * static_cast<std::size_t>(b.part_of[k]) +
+               2 * static_cast<std::size_t>(b.near[k].section) + (b.near[k].image == image_home ? 1u : 0u);
     };
-    for (std::size_t k = 0; k < pairs; ++k) ++start[rank(k) + 1];
-    for (std::size_t s = 1; s < start.size(); ++s) start[s] += start[s - 1];
-    for (std::size_t s = 0; s < gap_sections; ++s) out.section_end[s] = start[2 * s + 2];
-    b.order.resize(pairs);
-    for (std::size_t k = 0; k < pairs; ++k) {
-        const std::size_t place = start[rank(k)]++;
-        const std::size_t base = place / block * block, within = place % block;
-        const bool whole = base + block <= pairs;
-        b.order[whole ? base + within % 8 * 8 + within / 8 : place] = k;
+    std::vector<std::size_t>& next = b.next_place;
+    next.assign(ranks * parts + 1, 0);
+    for (std::size_t k = 0; k < pairs; ++k) ++next[rank(k)];
+    out.parts.resize(parts);
+    std::size_t place = 0;
+    for (std::size_t p = 0; p < parts; ++p) {
+        PairList::Part& part = out.parts[p];
+        part.first = place;
+        for (std::size_t r = 0; r < ranks; ++r) {
+            const std::size_t size = next[ranks * p + r];
+            next[ranks * p + r] = place;
+            place += size;
+            part.section_end[r / 2] = place;
+        }
+        place = part.last = (place + 7) / 8 * 8;
     }
+    b.order.assign(place, no_pair);
+    for (std::size_t k = 0; k < pairs; ++k) {
+        const PairList::Part& part = out.parts[static_cast<std::size_t>(b.part_of[k])];
+        const std::size_t at = next[rank(k)]++ - part.first, base = at / block * block, within = at % block;
+        const bool whole = part.first + base + block <= part.section_end.back();
+        b.order[part.first + (whole ? base + within % 8 * 8 + within / 8 : at)] = k;
+    }
+    out.resize_padded(place);
+    out.count = pairs;
 }
 
-void fill_pairs(const RebuildBuffers& b, const AlignedVector<ParticleRow>& particles, std::size_t count,
-                PairList& out) {
+void fill_pairs(const RebuildBuffers& b, const AlignedVector<ParticleRow>& particles, std::size_t first,
+                std::size_t last, PairList& out) {
     const PairList& old = b.old;
-    for (std::size_t k = 0; k < out.count; ++k) {
+    for (std::size_t k = first; k < last; ++k) {
+        if (b.order[k] == no_pair) continue;
         const NearPair& pair = b.near[b.order[k]];
         out.i[k] = pair.i;
         out.j[k] = pair.j;
@@ -133,13 +155,12 @@ void fill_pairs(const RebuildBuffers& b, const AlignedVector<ParticleRow>& parti
         for (std::size_t q = 0; q < out.further.size(); ++q)
             out.further[q][k] = at == no_bond ? 0.0 : old.further[q][at];
     }
-    fill_with_dummies(out, count);
 }
 
 }  // namespace
 
-void fill_with_dummies(PairList& pairs, std::size_t count) {
-    for (std::size_t k = pairs.count; k < pairs.padded(); ++k) {
+void fill_with_dummies(PairList& pairs, std::size_t first, std::size_t last, std::size_t count) {
+    for (std::size_t k = first; k < last; ++k) {
         pairs.i[k] = static_cast<std::int32_t>(count);
         pairs.j[k] = static_cast<std::int32_t>(count + 1);
         pairs.row_i[k] = row_offset(pairs.i[k]);
@@ -163,10 +184,11 @@ void PairList::resize_padded(std::size_t n) {
     for (auto& values : further) values.resize(padded_size);
 }
 
-std::size_t PairList::within_reach(double motion) const {
+std::size_t PairList::within_reach(const Part& part, double motion) const {
     std::size_t s = 0;
     while (s + 1 < gap_sections && section_gap[s + 1] <= motion) ++s;
-    return std::min(padded(), (section_end[s] + block - 1) / block * block);
+    const std::size_t reached = part.section_end[s] - part.first;
+    return std::min(part.last, part.first + (reached + block - 1) / block * block);
 }
 
 std::int32_t gap_section(double closeness, double skin) {
@@ -176,18 +198,23 @@ std::int32_t gap_section(double closeness, double skin) {
 }
 
 void rebuild_pairs(PairList& pairs, RebuildBuffers& buffers, AlignedVector<ParticleRow>& particles,
-                   std::size_t count, const Matrix3d& cell, double skin) {
+                   std::size_t count, const Matrix3d& cell, double skin, Slabs& slabs, Crew& crew) {
     const Matrix3d inverse = cell.inverse();
     const double largest = wrap(particles, count, cell, inverse, buffers.moved);
     std::swap(pairs, buffers.old);
     pairs.further.resize(buffers.old.further.size());
     collect_bonds(buffers.old, count, buffers);
     buffers.grid.fill(particles, count, inverse, 2 * largest * (1 + skin));
-    std::size_t found = buffers.grid.find_pairs(cell, skin, buffers.near);
-    join_bonds(buffers, found);
-    pairs.resize_padded(found);
-    order_pairs(buffers, found, pairs);
-    fill_pairs(buffers, particles, count, pairs);
+    std::size_t found = buffers.grid.find_pairs(cell, skin, crew, buffers.near);
+    join_bonds(buffers, crew, found);
+    slabs.sort_out(particles, count, inverse, buffers.near, found, buffers.part_of);
+    order_pairs(buffers, found, slabs.parts(), pairs);
+    const std::size_t groups = pairs.padded() / 8;
+    crew.run(pieces, [&](std::size_t p) {
+        fill_pairs(buffers, particles, p * groups / pieces * 8, (p + 1) * groups / pieces * 8, pairs);
+    });
+    for (const PairList::Part& part : pairs.parts)
+        fill_with_dummies(pairs, part.section_end.back(), part.last, count);
     for (int s = 1; s < gap_sections; ++s)
         pairs.section_gap[static_cast<std::size_t>(s)] =
             std::sqrt(1 + (s - 1) * ((1 + skin) * (1 + skin) - 1) / (gap_sections - 1)) - 1;

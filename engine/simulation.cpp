@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <numbers>
@@ -20,11 +21,6 @@ namespace {
 // motion at which the list is rebuilt.
 constexpr double check_fraction = 0.25;
 constexpr double rebuild_fraction = 0.7;
-
-void to_row_major(const Eigen::Matrix3d& m, double (&out)[9]) {
-    for (int p = 0; p < 3; ++p)
-        for (int q = 0; q < 3; ++q) out[3 * p + q] = m(p, q);
-}
 
 /// Adds the time between laps to the parts of the step; idle without them.
 class Stopwatch {
@@ -53,6 +49,7 @@ void SimulationOptions::validate() const {
             "positive (kg/m3)");
     require(time_step_safety > 0 && time_step_safety <= 1.5, "time_step_safety", time_step_safety,
             "within 0..1.5");
+    require(threads >= 1, "threads", threads, "at least 1");
     require(largest_overlap >= 0 && largest_overlap <= 0.5, "largest_overlap", largest_overlap,
             "within 0..0.5");
     require(neighbour_skin > 0 && neighbour_skin <= 0.5, "neighbour_skin", neighbour_skin, "within 0..0.5");
@@ -94,6 +91,8 @@ Simulation::Simulation(const Packing& packing, const ContactLaw& law, const Simu
     mean_diameter_ = 2 * sum / static_cast<double>(count_);
     smallest_diameter_ = 2 * smallest;
     largest_diameter_ = 2 * largest;
+    slabs_ = Slabs(slab_count(count_, cell_, largest_diameter_));
+    crew_ = Crew(slabs_.count() == 1 ? 1 : std::min(options.threads, slabs_.count()));
     set_law(law);
     drift_since_check_ = 1e300;  // forces the first rebuild
 }
@@ -180,16 +179,22 @@ void Simulation::update_neighbours() {
         if (!listed || drift_confirmed_ >= rebuild_fraction * skin) rebuild_neighbours();
     }
     // A pair that has met may hold a bond: the part of the list that is looked at never shrinks.
-    reachable_ = std::max(reachable_, pairs_.within_reach(drift_confirmed_ + drift_since_check_));
+    for (std::size_t p = 0; p < pairs_.parts.size(); ++p)
+        reachable_[p] = std::max(reachable_[p],
+                                 pairs_.within_reach(pairs_.parts[p], drift_confirmed_ + drift_since_check_));
 }
 
 /// Bound on the relative motion of any two particles since the last rebuild, over the sum of their radii.
-double Simulation::drift_since_build() const {
-    double largest = 0;
-    for (std::size_t p = 0; p < count_; ++p) {
-        const Eigen::Vector3d x(particles_[p].x[0], particles_[p].x[1], particles_[p].x[2]);
-        largest = std::max(largest, (x - cell_ * built_at_[p]).squaredNorm());
-    }
+double Simulation::drift_since_build() {
+    const auto pieces = static_cast<std::size_t>(slabs_.count());
+    std::array<double, most_slabs> furthest{};
+    crew_.run(pieces, [&](std::size_t piece) {
+        for (std::size_t p = piece * count_ / pieces; p < (piece + 1) * count_ / pieces; ++p) {
+            const Eigen::Vector3d x(particles_[p].x[0], particles_[p].x[1], particles_[p].x[2]);
+            furthest[piece] = std::max(furthest[piece], (x - cell_ * built_at_[p]).squaredNorm());
+        }
+    });
+    const double largest = *std::ranges::max_element(furthest);
     const Eigen::Matrix3d deformation = cell_ * built_cell_.inverse() - Eigen::Matrix3d::Identity();
     double way = std::sqrt(largest);
     if (!walls_.empty()) way = std::max(way, walls_.motion_since_build(cell_ * built_cell_.inverse()));
@@ -198,7 +203,8 @@ double Simulation::drift_since_build() const {
 
 void Simulation::rebuild_neighbours() {
     if (!walls_.empty()) check_enclosed();
-    rebuild_pairs(pairs_, rebuild_buffers_, particles_, count_, cell_, options_.neighbour_skin);
+    rebuild_pairs(pairs_, rebuild_buffers_, particles_, count_, cell_, options_.neighbour_skin, slabs_,
+                  crew_);
     const Eigen::Matrix3d inverse = cell_.inverse();
     built_at_.resize(count_);
     for (std::size_t p = 0; p < count_; ++p)
@@ -206,59 +212,8 @@ void Simulation::rebuild_neighbours() {
     built_cell_ = cell_;
     if (!walls_.empty()) walls_.rebuild(particles_, spins_, forces_, count_, options_.neighbour_skin);
     drift_confirmed_ = drift_since_check_ = 0;
-    reachable_ = 0;
+    reachable_.assign(pairs_.parts.size(), 0);
     ++rebuilds_;
-}
-
-ContactLoop Simulation::contact_loop(Measure measure) const {
-    return kernel_
-        ->contacts[composition_.base][static_cast<int>(composition_.turning)][static_cast<int>(measure)];
-}
-
-void Simulation::point_to(PairList& pairs, std::size_t padded, ContactArguments& a) {
-    a.padded_pairs = padded;
-    a.row_i = pairs.row_i.data();
-    a.row_j = pairs.row_j.data();
-    a.image = pairs.image.data();
-    a.radius_sum = pairs.radius_sum.data();
-    a.reduced_radius = pairs.reduced_radius.data();
-    a.area = pairs.area.data();
-    a.shear_x = pairs.shear[0].data();
-    a.shear_y = pairs.shear[1].data();
-    a.shear_z = pairs.shear[2].data();
-    a.bond = pairs.bond.data();
-    for (std::size_t q = 0; q < pairs.further.size(); ++q) a.further[q] = pairs.further[q].data();
-}
-
-void Simulation::contact_forces(ContactSums& sums, Measure measure) {
-    alignas(64) double shifts[image_count][8] = {};
-    for (int n = 0; n < image_count; ++n) {
-        const Eigen::Vector3d s = cell_ * Eigen::Vector3d(n / 9 - 1, (n / 3) % 3 - 1, n % 3 - 1);
-        for (int k = 0; k < 3; ++k) shifts[n][k] = s[k];
-    }
-    ContactArguments a{};
-    a.particles = particles_.data();
-    a.spins = spins_.data();
-    a.forces = forces_.data();
-    a.shifts = &shifts[0][0];
-    point_to(pairs_, reachable_, a);
-    to_row_major(gradient_, a.velocity_gradient);
-    a.dt = dt_;
-    a.law = composition_.numbers;
-    contact_loop(measure)(a, sums);
-    if (!walls_.empty()) wall_forces(a, sums, measure);
-}
-
-void Simulation::integrate(IntegrateSums& sums, Measure measure) {
-    IntegrateArguments a{};
-    a.particles = particles_.data();
-    a.spins = options_.free_rotation ? spins_.data() : nullptr;
-    a.forces = forces_.data();
-    a.count = count_;
-    to_row_major(gradient_, a.velocity_gradient);
-    a.dt = dt_;
-    a.damping = options_.damping;
-    kernel_->integrate[options_.free_rotation][static_cast<int>(measure)](a, sums);
 }
 
 void Simulation::deform_cell() {

@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "engine/contact/composition.hpp"
+#include "engine/crew.hpp"
 #include "engine/neighbours.hpp"
 #include "engine/packing.hpp"
 #include "engine/state.hpp"
@@ -22,6 +23,7 @@ struct SimulationOptions {
     double neighbour_skin = 0.06;   // gap over R_i + R_j up to which a pair is listed
     // Overlap over R_i + R_j that the time step of Hertzian contacts is made for; 0: follows the packing.
     double largest_overlap = 0;
+    int threads = 1;              // over large packings; the result is the same whatever their number
     bool energy_balance = false;  // measure every step, to integrate work and dissipation
 
     void validate() const;
@@ -131,11 +133,11 @@ class Simulation {
     void follow_stiffness();
     void step(Measure measure);
     void update_neighbours();
-    double drift_since_build() const;
+    double drift_since_build();
     void rebuild_neighbours();
     ContactLoop contact_loop(Measure measure) const;
     void contact_forces(ContactSums& sums, Measure measure);
-    static void point_to(PairList& pairs, std::size_t padded, ContactArguments& a);
+    static void point_to(PairList& pairs, std::size_t first, std::size_t last, ContactArguments& a);
     void wall_forces(ContactArguments a, ContactSums& sums, Measure measure);
     void check_enclosed() const;
     void integrate(IntegrateSums& sums, Measure measure);
@@ -155,7 +157,10 @@ class Simulation {
     PairList pairs_;
     Walls walls_;
     RebuildBuffers rebuild_buffers_;
-    std::size_t reachable_ = 0;  // pairs from the first that may have met since the last rebuild
+    Slabs slabs_;
+    Crew crew_;
+    std::vector<std::size_t>
+        reachable_;  // of every part: one past the last pair that may have met since then
     Eigen::Matrix3d cell_, gradient_ = Eigen::Matrix3d::Zero();
     double reference_volume_ = 0;   // 0: the cell's
     double time_step_overlap_ = 0;  // over R_i + R_j, that the time step is made for

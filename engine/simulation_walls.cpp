@@ -12,17 +12,6 @@
 namespace loam::engine {
 namespace {
 
-/// All but the number of contacts, which counts pairs of particles alone.
-void add_to(ContactSums& total, const ContactSums& part) {
-    for (int k = 0; k < 9; ++k) total.stress[k] += part.stress[k];
-    total.normal_force += part.normal_force;
-    total.elastic_energy += part.elastic_energy;
-    total.stiffness_sum += part.stiffness_sum;
-    total.max_overlap = std::max(total.max_overlap, part.max_overlap);
-    total.dissipation += part.dissipation;
-    total.power += part.power;
-}
-
 void check_number(std::size_t wall, std::size_t walls) {
     if (wall >= walls)
         throw std::invalid_argument("wall " + std::to_string(wall) + ": there are " + std::to_string(walls) +
@@ -57,12 +46,13 @@ void Simulation::wall_forces(ContactArguments a, ContactSums& sums, Measure meas
     walls_.place_feet(particles_.data(), gradient_);
     a.law.normal_cohesion = a.law.shear_cohesion = 0;
     for (std::size_t k = 0; k < walls_.size(); ++k) {
-        point_to(walls_.pairs(k), walls_.pairs(k).padded(), a);
+        point_to(walls_.pairs(k), 0, walls_.pairs(k).padded(), a);
         a.law.friction_coefficient = std::tan(walls_.wall(k).friction_angle);
         ContactSums of_wall{};
         contact_loop(measure)(a, of_wall);
-        if (measure != Measure::nothing) add_to(sums, of_wall);
         if (measure == Measure::all) walls_.record(k, of_wall);
+        of_wall.contacts = 0;  // pairs of particles alone are counted
+        if (measure != Measure::nothing) sums += of_wall;
     }
     sums.power += walls_.take_forces(particles_.data(), forces_.data());
 }

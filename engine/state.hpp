@@ -57,9 +57,9 @@ inline constexpr int gap_sections = 17;
 /// The section of a pair without a bond from d²/(R_i + R_j)².
 std::int32_t gap_section(double closeness, double skin);
 
-/// The neighbour pairs, padded to a multiple of eight with a pair of dummies that never touch. They are
-/// ordered by sections, so that pairs which cannot have met yet are left out and those that touch fill whole
-/// groups.
+/// The neighbour pairs. Every part is padded to a multiple of eight with a pair of dummies that never touch,
+/// and ordered by sections, so that pairs which cannot have met yet are left out and those that touch fill
+/// whole groups.
 struct PairList {
     std::size_t count = 0;                       // without padding
     AlignedVector<std::int32_t> i, j;            // particles, i < j
@@ -75,11 +75,17 @@ struct PairList {
     std::size_t padded() const { return i.size(); }
     void resize_padded(std::size_t n);
 
-    std::array<std::size_t, gap_sections> section_end{};  // one past the last pair
-    std::array<double, gap_sections> section_gap{};       // smallest gap over R_i + R_j
+    /// A stretch of the list that begins and ends with whole groups of eight pairs.
+    struct Part {
+        std::size_t first = 0, last = 0;
+        std::array<std::size_t, gap_sections> section_end{};  // one past the last pair
+    };
+    std::vector<Part> parts;
+    std::array<double, gap_sections> section_gap{};  // smallest gap over R_i + R_j
 
-    /// How many pairs, from the first, can touch after a relative motion of up to motion·(R_i + R_j).
-    std::size_t within_reach(double motion) const;
+    /// How far a part must be gone through where pairs have moved by up to motion·(R_i + R_j): one past the
+    /// last that can touch.
+    std::size_t within_reach(const Part& part, double motion) const;
 };
 
 /// Image index of the copy shifted by (a, b, c) cells, each in -1..1, and back.

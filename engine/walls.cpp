@@ -126,7 +126,7 @@ void Walls::fill_pairs(State& state, const AlignedVector<ParticleRow>& particles
             out.further[q][k] = bond == no_bond || old_.further.size() <= q ? 0.0 : old_.further[q][from];
     }
     state.mean_radius_squared = out.count > 0 ? sum / static_cast<double>(out.count) : 0;
-    fill_with_dummies(out, count);
+    fill_with_dummies(out, out.count, out.padded(), count);
 }
 
 void Walls::rebuild(AlignedVector<ParticleRow>& particles, AlignedVector<SpinRow>& spins,

@@ -48,6 +48,18 @@ struct ContactSums {
     double max_overlap;     // largest overlap over R_i + R_j
     double dissipation;     // J lost in this step by sliding and by breaking cohesion
     double power;           // W of the stresses in the velocity gradient, compression positive
+
+    ContactSums& operator+=(const ContactSums& part) {
+        for (int k = 0; k < 9; ++k) stress[k] += part.stress[k];
+        normal_force += part.normal_force;
+        elastic_energy += part.elastic_energy;
+        stiffness_sum += part.stiffness_sum;
+        contacts += part.contacts;
+        if (part.max_overlap > max_overlap) max_overlap = part.max_overlap;
+        dissipation += part.dissipation;
+        power += part.power;
+        return *this;
+    }
 };
 
 struct IntegrateArguments {
@@ -65,6 +77,14 @@ struct IntegrateSums {
     double force_norm;         // sum of |F|, only when measured
     double kinetic_energy;     // of the same velocities, only when measured
     double dissipation;        // J taken out by damping in this step, only when measured
+
+    IntegrateSums& operator+=(const IntegrateSums& part) {
+        if (part.max_speed_squared > max_speed_squared) max_speed_squared = part.max_speed_squared;
+        force_norm += part.force_norm;
+        kinetic_energy += part.kinetic_energy;
+        dissipation += part.dissipation;
+        return *this;
+    }
 };
 
 /// What a step sums up beside moving the particles.
