@@ -32,30 +32,45 @@ Eigen::Vector3d StressServo::stress(const Simulation& simulation) const {
     return simulation.measured().stress.diagonal();
 }
 
+void StressServo::prescribe(const Eigen::Matrix3d& gradient) {
+    prescribed_ = gradient;
+    for (int k = 0; k < 3; ++k)
+        if (!std::isnan(target_[k])) prescribed_(k, k) = 0;
+    driven_ = driven_ || !prescribed_.isZero(0);
+}
+
+/// The strain rate (1/s) that makes up for a missing stress (Pa) within the relaxation time, of which
+/// `relaxation` (Pa s) is the product with the stiffness, times the ease, which follows how well the stress
+/// obeys.
+double StressServo::eased_rate(int axis, double missing, double relaxation) {
+    double& ease = ease_[axis];
+    const double before = missing_before_[axis];
+    if (missing * before <= 0)
+        ease = std::max(1.0, 0.25 * ease);  // passed the target
+    else if (std::abs(missing) > 0.97 * std::abs(before))
+        ease = std::min(100.0, 1.05 * ease);
+    else if (std::abs(missing) < 0.8 * std::abs(before))
+        ease = std::max(1.0, 0.8 * ease);
+    missing_before_[axis] = missing;
+    return ease * missing / relaxation;
+}
+
 const Measurement& StressServo::advance(Simulation& simulation) {
     const Measurement& now = simulation.measured();
     const double limit = rate_for_inertial_number(options_.inertial_number, std::max(now.mean_stress, scale_),
                                                   simulation.mean_diameter(), simulation.grain_density());
     const double stiffness = std::max(now.affine_stiffness, scale_);  // a floor keeps a loose cloud moving
     const Eigen::Vector3d present = stress(simulation);
-    Eigen::Matrix3d gradient = Eigen::Matrix3d::Zero();
+    const double relaxation = stiffness * options_.relaxation_steps * simulation.time_step();
+    Eigen::Matrix3d gradient = prescribed_;
     for (int k = 0; k < 3; ++k) {
-        gradient(k, k) = 0.0 - rates_[k];
         if (std::isnan(target_[k])) continue;
-        const double missing = target_[k] - present[k], before = missing_before_[k];
-        if (missing * before <= 0)
-            ease_[k] = std::max(1.0, 0.25 * ease_[k]);  // passed the target
-        else if (std::abs(missing) > 0.97 * std::abs(before))
-            ease_[k] = std::min(100.0, 1.05 * ease_[k]);
-        else if (std::abs(missing) < 0.8 * std::abs(before))
-            ease_[k] = std::max(1.0, 0.8 * ease_[k]);
-        missing_before_[k] = missing;
-        const double wanted =
-            ease_[k] * missing / (stiffness * options_.relaxation_steps * simulation.time_step());
-        const double rate = std::clamp(wanted + mean_rate_[k], -limit, limit);
-        if (options_.mean_over > 0)
-            mean_rate_[k] +=
-                std::min(1.0, options_.measure_every / options_.mean_over) * (rate - mean_rate_[k]);
+        const double correction = eased_rate(k, target_[k] - present[k], relaxation);
+        const double rate = std::clamp(needed_[k] + correction, -limit, limit);
+        // Four relaxation times: critical damping of a stress that follows the strain at the affine
+        // stiffness.
+        if (driven_)
+            needed_[k] += (rate - needed_[k]) * options_.measure_every / (4 * options_.relaxation_steps);
         gradient(k, k) = -rate;
     }
     simulation.set_velocity_gradient(gradient);

@@ -23,7 +23,6 @@ struct ServoOptions {
     double stress_tolerance = 0.01;  // relative, every axis
     double unbalanced_ratio = 0.01;  // at rest below this
     double relaxation_steps = 60;    // time constant of the servo, in steps, for the affine stiffness
-    double mean_over = 0;            // steps; see StressServo. 0: no mean
     int measure_every = 5;           // steps
     std::uint64_t max_steps = 2'000'000;
     /// The normal stresses to be steered (Pa), e.g. the pressures on the walls of a box; without it
@@ -38,19 +37,22 @@ struct ServoSummary {
     double unbalanced_ratio = 0;
 };
 
-/// Steers the velocity gradient so that the normal stresses approach a target, with shear rates zero; an axis
-/// whose target is NaN keeps its length. The strain rate of an axis is what it misses over the affine
-/// stiffness and the relaxation time; because that stiffness is an upper estimate, nearly nil while a packing
-/// yields, the rate is eased where the stress does not follow. Where a lasting rate is needed, as at the
-/// sides of a specimen that is compressed along its axis, the axis's mean rate over options.mean_over steps
-/// is added, so that no stress stays missing.
+/// Steers the velocity gradient so that the normal stresses approach a target; what has no target (an axis
+/// whose target is NaN, shear) follows a prescribed velocity gradient, which is zero unless given. The strain
+/// rate of an axis is what it misses over the affine stiffness and the relaxation time; because that
+/// stiffness is an upper estimate, nearly nil while a packing yields, the rate is eased where the stress does
+/// not follow. Where something is driven, the other axes have to move all the time, and a rate in proportion
+/// to what is missing would lag behind; the servo then also learns the rate that is needed (a
+/// proportional-integral controller).
 class StressServo {
   public:
     /// `target` [3] (Pa) has at least one number. Throws std::invalid_argument.
     StressServo(const Eigen::Vector3d& target, const ServoOptions& options);
 
-    /// Strain rates of the axes without target (1/s), compression positive; at first zero.
-    void set_rates(const Eigen::Vector3d& rates) { rates_ = rates; }
+    /// What has no target moves like this from now on (1/s; negative for compression). The diagonal entries
+    /// of controlled axes are ignored.
+    void prescribe(const Eigen::Matrix3d& gradient);
+
     /// One stretch of options.measure_every steps; returns its measurement.
     const Measurement& advance(Simulation& simulation);
     /// Largest relative error of an axis that has a target.
@@ -58,12 +60,16 @@ class StressServo {
 
   private:
     Eigen::Vector3d stress(const Simulation& simulation) const;
+    double eased_rate(int axis, double missing, double relaxation);
 
-    Eigen::Vector3d target_, rates_ = Eigen::Vector3d::Zero();
+    Eigen::Vector3d target_;
     double scale_ = 0;  // mean of the targets (Pa)
     ServoOptions options_;
+    Eigen::Matrix3d prescribed_ = Eigen::Matrix3d::Zero();
+    bool driven_ = false;
     Eigen::Vector3d ease_ = Eigen::Vector3d::Ones(), missing_before_ = Eigen::Vector3d::Zero();
-    Eigen::Vector3d mean_rate_ = Eigen::Vector3d::Zero();  // 1/s
+    Eigen::Vector3d needed_ =
+        Eigen::Vector3d::Zero();  // strain rate that holds the stress (1/s), where driven
 };
 
 /// Brings the packing to these normal stresses (Pa; NaN: the axis keeps its length) and to rest. `each` is

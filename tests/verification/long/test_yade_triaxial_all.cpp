@@ -1,0 +1,45 @@
+// Drained triaxial tests to 20 % on three packings, beside another DEM code (data/yade/README.md).
+// Tolerances, of the means over the packings: mean deviatoric stress over 2-20 % axial strain within 5 %,
+// initial slope (to half the peak) within 10 %, volumetric strain at every strain within 4e-3.
+#include <array>
+#include <iostream>
+
+#include "tests/verification/yade_triaxial.hpp"
+
+namespace loam::experiments {
+namespace {
+
+class YadeReferenceTriaxial : public testing::TestWithParam<YadeTriaxialCase> {};
+
+TEST_P(YadeReferenceTriaxial, SamePackingsGiveTheSameCurvesOnAverage) {
+    const YadeTriaxialCase& soil = GetParam();
+    const std::array packings{5, 6, 7};
+    double stress = 0, slope = 0, reference_stress = 0, reference_slope = 0;
+    std::vector<double> difference(100, 0.0);  // of the volumetric strain, at 0.2 % .. 20 %
+    for (const int packing : packings) {
+        const TriaxialCurve reference = read_yade_triaxial(soil.name, packing);
+        const TriaxialCurve ours = simulate_yade_triaxial(soil, packing, 0.2);
+        stress += ours.mean_stress(0.02, 0.2);
+        reference_stress += reference.mean_stress(0.02, 0.2);
+        slope += ours.initial_slope();
+        reference_slope += reference.initial_slope();
+        for (std::size_t k = 0; k < difference.size(); ++k) {
+            const double strain = 0.002 * static_cast<double>(k + 1);
+            difference[k] += (ours.at(ours.volumetric, strain) - reference.at(reference.volumetric, strain)) /
+                             static_cast<double>(packings.size());
+        }
+    }
+    double largest = 0;
+    for (const double d : difference) largest = std::max(largest, std::abs(d));
+    std::cout << soil.name << ": deviatoric stress " << stress / reference_stress - 1 << ", initial slope "
+              << slope / reference_slope - 1 << ", volumetric strain " << largest << '\n';
+    EXPECT_NEAR(stress / reference_stress, 1, 0.05);
+    EXPECT_NEAR(slope / reference_slope, 1, 0.10);
+    EXPECT_LT(largest, 4e-3);
+}
+
+INSTANTIATE_TEST_SUITE_P(Cases, YadeReferenceTriaxial, testing::ValuesIn(yade_triaxial_cases()),
+                         [](const auto& info) { return std::string(info.param.name); });
+
+}  // namespace
+}  // namespace loam::experiments
