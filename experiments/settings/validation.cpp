@@ -66,9 +66,6 @@ void validate(const Settings& settings, const Origins& origins) {
     if (!settings.effects.empty())
         throw fault_at(origin_of(origins, "effects"), settings.effects.front(),
                        fmt::format("is not an effect of the law {}", settings.law), "see loam effects");
-    if (!settings.against.empty() && settings.benchmark != "engine")
-        throw fault_at(origin_of(origins, "against"), settings.against.front(),
-                       "has nothing to be measured beside", "it belongs to loam bench engine");
     check_parameters(settings, origins);
     const int fewest = fewest_training_runs(static_cast<int>(settings.priors.size()));
     if (settings.verb == "calibrate" && settings.runs < fewest)

@@ -46,8 +46,8 @@ struct AgainstOptions {
     std::vector<std::uint32_t> particles = {700, 2000, 10000};
     int repeats = 5;
     int warm_up = 1000;       // steps
-    double work = 10e6;       // particle-steps that are timed, ...
-    int fewest_steps = 1500;  // ... but at least these
+    double work = 5e6;        // particle-steps that are timed, ...
+    int fewest_steps = 1000;  // ... but at least these
 };
 
 /// How many runs of other codes that makes.

@@ -1,7 +1,11 @@
 #include "experiments/workflows/benchmarks/engine_work.hpp"
 
+#include <algorithm>
 #include <array>
 #include <ctime>
+#include <numeric>
+#include <tuple>
+#include <vector>
 
 #include "engine/loading.hpp"
 
@@ -20,6 +24,26 @@ engine::ContactLaw linear_cohesive(const SharedParameters& shared) {
 }
 
 constexpr std::array table{BenchLaw{"linear-cohesive", linear_cohesive}};
+
+/// The particles in the order of layers, rows and blocks of a few diameters, so that no code is slowed by an
+/// order that it does not mend itself.
+engine::Packing in_order_of_place(const engine::Packing& packing) {
+    const double block = 4 * packing.radii.mean();
+    std::vector<Eigen::Index> order(static_cast<std::size_t>(packing.radii.size()));
+    std::iota(order.begin(), order.end(), 0);
+    const auto place = [&](Eigen::Index particle) {
+        const Eigen::Vector3d x = (packing.centres.col(particle) / block).array().floor();
+        return std::tuple(x[2], x[1], x[0]);
+    };
+    std::ranges::stable_sort(order, {}, place);
+    engine::Packing ordered = packing;
+    for (std::size_t k = 0; k < order.size(); ++k) {
+        const auto at = static_cast<Eigen::Index>(k);
+        ordered.centres.col(at) = packing.centres.col(order[k]);
+        ordered.radii[at] = packing.radii[order[k]];
+    }
+    return ordered;
+}
 
 double processor_seconds() {
     timespec now{};
@@ -43,7 +67,7 @@ engine::Packing bench_packing(std::uint32_t particles) {
     engine::PackingOptions options;
     options.particles = particles;
     options.target_porosity = 0.42;
-    return engine::make_packing(options).packing;
+    return in_order_of_place(engine::make_packing(options).packing);
 }
 
 engine::SimulationOptions bench_options(bool free_rotation) {

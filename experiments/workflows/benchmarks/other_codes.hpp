@@ -35,7 +35,8 @@ struct SharedParameters {
 
 /// A packing at rest, its law, and how far it is compressed along z while the clock runs.
 struct SharedWork {
-    engine::Packing packing;  // orthogonal cell
+    engine::Packing
+        packing;  // orthogonal cell; neighbours near each other in the order, as all codes like it
     SharedLaw law = SharedLaw::linear;
     SharedParameters parameters;
     bool free_rotation = false;
