@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "experiments/workflows/benchmarks/other_codes.hpp"
 #include "lab_data/sample.hpp"
 #include "optimizers/registry.hpp"
 #include "surrogate/kernels/registry.hpp"
@@ -29,6 +30,11 @@ Names verbs_with_settings() {
 }
 Names rotations() {
     return {"blocked", "free"};
+}
+Names code_names() {
+    Names names;
+    for (const OtherCode& code : other_codes()) names.push_back(code.name);
+    return names;
 }
 Names designs() {
     return {"latin-hypercube", "sobol"};
@@ -69,6 +75,9 @@ const std::array table{
           "what was asked for", {}, verbs_with_settings},
     Field{"", "benchmark", [](Settings& s) -> Slot { return &s.benchmark; },
           "which benchmark, of the verb bench"},
+    Field{"", "against", [](Settings& s) -> Slot { return &s.against; },
+          "other codes, where installed, that `loam bench engine` measures beside this engine", {}, code_names, "CODE,...",
+          Resuming::may_differ},
     Field{"", "sample", [](Settings& s) -> Slot { return &s.sample; },
           "folder of the sample", {}, nullptr, "", Resuming::may_differ},
     Field{"", "tests", [](Settings& s) -> Slot { return &s.tests; },

@@ -22,6 +22,11 @@ constexpr std::array table{Benchmark{"twins", bench_twins}, Benchmark{"rate", be
 }  // namespace
 
 int run_bench(const Settings& settings) {
+    if (!settings.against.empty() && settings.benchmark != "engine")
+        throw lab_data::UserError({.column = "--against",
+                                   .value = settings.against.front(),
+                                   .constraint = "has nothing to be measured beside",
+                                   .remedy = "it belongs to loam bench engine"});
     std::vector<std::string_view> names;
     for (const Benchmark& entry : table) {
         if (entry.name == settings.benchmark) return entry.run(settings);

@@ -15,6 +15,9 @@ int bench_rate(const Settings& settings);
 /// Particle-steps and contact-steps a second of the engine.
 int bench_engine(const Settings& settings);
 
+/// The same beside the codes of settings.against. Returns 1 if none of them is installed and runs.
+int bench_engine_against(const Settings& settings);
+
 /// The oedometer of De Pue et al. (2019): their eight stages, seated at 2 kPa, as a sample without measured
 /// strain.
 lab_data::Sample reference_sample();

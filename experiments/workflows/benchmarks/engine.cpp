@@ -1,98 +1,96 @@
 // loam bench engine: speed of the step under oedometric compression, on packings at rest and on packings that
-// fly apart because their contacts were stiffened at once.
+// fly apart because their contacts were stiffened at once; with --against, beside other codes.
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "engine/kernel/kernel.hpp"
-#include "engine/loading.hpp"
-#include "engine/packing.hpp"
-#include "engine/simulation.hpp"
+#include "experiments/workflows/benchmarks/against.hpp"
 #include "experiments/workflows/benchmarks/benchmarks.hpp"
+#include "experiments/workflows/benchmarks/engine_work.hpp"
 
 namespace loam::experiments {
 namespace {
 
-struct Speed {
-    double steps_per_s, contacts;
+constexpr double flying_strain_per_step = 2e-6;
+
+struct Result {
+    SpeedRow row;
+    std::string_view state;   // at rest | flying
     engine::StepTimes share;  // of the step's time, 0..1
 };
 
-/// Stiffens the contacts by steps at the stress of the packing, as an oedometer test seats its specimen.
-void seat(engine::Simulation& simulation, const engine::PackingOptions& packing) {
-    const engine::ContactLaw law;
-    engine::ServoOptions servo;
-    servo.max_steps = 20'000;
-    for (double modulus = packing.stiffness_ratio * packing.stress; modulus < law.young_modulus();
-         modulus *= 4) {
-        simulation.set_law(law.with_young_modulus(modulus));
-        engine::consolidate(simulation, packing.stress, servo);
-    }
-    simulation.set_law(law);
-    engine::consolidate(simulation, packing.stress, servo);
-}
-
-Speed measure_speed(engine::Simulation& simulation, double strain_per_step, int steps) {
-    Eigen::Matrix3d gradient = Eigen::Matrix3d::Zero();
-    gradient(2, 2) = -strain_per_step / simulation.time_step();
-    simulation.set_velocity_gradient(gradient);
+/// The steps' time is measured without the clocks between their parts, the shares with them.
+Result measure(engine::Simulation& simulation, SpeedRow row, bool at_rest) {
+    const int steps = std::max(400, static_cast<int>(14'000'000 / row.particles));
+    compress(simulation, at_rest ? strain_per_step : flying_strain_per_step);
     simulation.advance(200);
-    const auto start = std::chrono::steady_clock::now();
-    const double contacts = simulation.advance(steps).contacts;
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const Timing timing = timed_steps(simulation, steps);
     engine::StepTimes times;
     simulation.time_steps(&times);
     simulation.advance(steps / 4);
     simulation.time_steps(nullptr);
     const double total = times.neighbours + times.contacts + times.integration;
-    return {steps / seconds,
-            contacts,
+    row.particle_steps_per_s = steps / timing.seconds * row.particles;
+    row.contact_steps_per_s = steps / timing.seconds * timing.contacts;
+    return {row,
+            at_rest ? "at rest" : "flying",
             {times.neighbours / total, times.contacts / total, times.integration / total}};
+}
+
+nlohmann::json to_json(const Result& result) {
+    nlohmann::json json = to_json(result.row);
+    json["state"] = result.state;
+    json["share_neighbours"] = result.share.neighbours;
+    json["share_contacts"] = result.share.contacts;
+    json["share_integration"] = result.share.integration;
+    return json;
+}
+
+std::string line_of(const Result& result) {
+    const SpeedRow& row = result.row;
+    return fmt::format("{:<16} {:<8} {:<8} {:>9} {:>12.1f} M {:>12.1f} M {:>8.0f} % {:>8.0f} % {:>9.0f} %\n",
+                       row.law, result.state, row.rotation, row.particles, row.particle_steps_per_s / 1e6,
+                       row.contact_steps_per_s / 1e6, 100 * result.share.neighbours,
+                       100 * result.share.contacts, 100 * result.share.integration);
+}
+
+std::vector<Result> measure_laws(std::uint32_t particles) {
+    const engine::Packing packing = bench_packing(particles);
+    std::vector<Result> results;
+    for (const BenchLaw& entry : bench_laws())
+        for (const bool at_rest : {true, false})
+            for (const bool free : {false, true}) {
+                const engine::ContactLaw law = entry.law({});
+                engine::Simulation simulation(at_rest ? seated(packing, law, free) : packing, law,
+                                              bench_options(free));
+                results.push_back(measure(simulation,
+                                          {.code = "loam",
+                                           .law = entry.name,
+                                           .rotation = free ? "free" : "blocked",
+                                           .particles = particles,
+                                           .its_law = entry.name},
+                                          at_rest));
+            }
+    return results;
 }
 
 }  // namespace
 
 int bench_engine(const Settings& settings) {
+    if (!settings.against.empty()) return bench_engine_against(settings);
     nlohmann::json rows = nlohmann::json::array();
     std::string text =
         fmt::format("kernel {}\n{:<16} {:<8} {:<8} {:>9} {:>14} {:>14} {:>10} {:>10} {:>11}\n",
                     engine::select_kernel().name, "law", "state", "rotation", "particles", "particle-steps",
                     "contact-steps", "neighbours", "contacts", "integration");
-    for (const std::uint32_t particles : {500u, 700u, 2000u, 10000u, 50000u}) {
-        engine::PackingOptions options;
-        options.particles = particles;
-        const engine::Packing packing = engine::make_packing(options).packing;
-        for (const bool at_rest : {true, false})
-            for (const bool rotation : {false, true}) {
-                engine::SimulationOptions how;
-                how.free_rotation = rotation;
-                engine::Simulation simulation(packing, engine::ContactLaw{}, how);
-                if (at_rest) seat(simulation, options);
-                const Speed speed = measure_speed(simulation, at_rest ? 6e-7 : 2e-6,
-                                                  std::max(400, static_cast<int>(14'000'000 / particles)));
-                const char *state = at_rest ? "at rest" : "flying", *spins = rotation ? "free" : "blocked";
-                rows.push_back({{"code", "loam"},
-                                {"law", "linear-cohesive"},
-                                {"state", state},
-                                {"rotation", spins},
-                                {"particles", particles},
-                                {"threads", 1},
-                                {"particle_steps_per_s", speed.steps_per_s * particles},
-                                {"contact_steps_per_s", speed.steps_per_s * speed.contacts},
-                                {"share_neighbours", speed.share.neighbours},
-                                {"share_contacts", speed.share.contacts},
-                                {"share_integration", speed.share.integration},
-                                {"ratio", 1.0}});
-                text += fmt::format(
-                    "{:<16} {:<8} {:<8} {:>9} {:>12.1f} M {:>12.1f} M {:>8.0f} % {:>8.0f} % {:>9.0f} %\n",
-                    "linear-cohesive", state, spins, particles, speed.steps_per_s * particles / 1e6,
-                    speed.steps_per_s * speed.contacts / 1e6, 100 * speed.share.neighbours,
-                    100 * speed.share.contacts, 100 * speed.share.integration);
-            }
-    }
+    for (const std::uint32_t particles : {500u, 700u, 2'000u, 10'000u, 50'000u, 100'000u})
+        for (const Result& result : measure_laws(particles)) {
+            rows.push_back(to_json(result));
+            text += line_of(result);
+        }
     fmt::print("{}", settings.json ? rows.dump(1) + "\n" : text);
     return 0;
 }

@@ -259,6 +259,20 @@ class Output(ProgramTest):
             self.refused("effects", stdout=pipe, says="standard output could not be written", status=1)
 
 
+class Bench(ProgramTest):
+    def test_a_code_that_is_not_known_is_refused_with_those_that_are(self):
+        self.refused("bench", "engine", "--against", "nonesuch", says=["--against", "'nonesuch'", "yade", "lammps"])
+        self.refused("bench", "engine", "--against", "lamps", says="did you mean 'lammps'?")
+
+    def test_other_codes_belong_to_the_engine(self):
+        self.refused("bench", "rate", "--against", "yade", says=["--against", "loam bench engine"])
+
+    def test_codes_that_are_not_installed_are_named(self):
+        answer = self.refused("bench", "engine", "--against", "yade,lammps", "--json", status=1, env={"PATH": str(self.folder)},
+                              says=["yade is not installed", "lammps is not installed", "none of the codes"])
+        self.assertIn("Debian package", answer.stderr)
+
+
 if __name__ == "__main__":
     PROGRAM = sys.argv.pop(1)
     unittest.main()
