@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
+#include <cmath>
 #include <ctime>
+#include <numbers>
 #include <numeric>
 #include <tuple>
 #include <vector>
@@ -23,7 +26,34 @@ engine::ContactLaw linear_cohesive(const SharedParameters& shared) {
     return law;
 }
 
-constexpr std::array table{BenchLaw{"linear-cohesive", linear_cohesive}};
+/// Share of the critical damping that gives this restitution.
+double damping_share(double restitution) {
+    const double loss = -std::log(restitution);
+    return loss / std::hypot(std::numbers::pi, loss);
+}
+
+engine::ContactLaw linear_damped(const SharedParameters& shared) {
+    engine::LinearDamped law;
+    law.young_modulus =
+        2 / std::numbers::pi * shared.young_modulus;  // the same springs between equal spheres
+    law.stiffness_ratio = shared.stiffness_ratio;
+    law.friction_angle = shared.friction_angle;
+    law.normal_damping = law.tangential_damping = damping_share(shared.restitution);
+    return law;
+}
+
+engine::ContactLaw hertz_mindlin(const SharedParameters& shared) {
+    engine::HertzMindlin law;
+    law.young_modulus = shared.young_modulus;
+    law.poisson_ratio = shared.poisson_ratio;
+    law.friction_angle = shared.friction_angle;
+    law.restitution = shared.restitution;
+    return law;
+}
+
+constexpr std::array table{BenchLaw{"linear-cohesive", linear_cohesive},
+                           BenchLaw{"linear-damped", linear_damped},
+                           BenchLaw{"hertz-mindlin", hertz_mindlin}};
 
 /// The particles in the order of layers, rows and blocks of a few diameters, so that no code is slowed by an
 /// order that it does not mend itself.
@@ -70,9 +100,10 @@ engine::Packing bench_packing(std::uint32_t particles) {
     return in_order_of_place(engine::make_packing(options).packing);
 }
 
-engine::SimulationOptions bench_options(bool free_rotation) {
+engine::SimulationOptions bench_options(bool free_rotation, int threads) {
     engine::SimulationOptions options;
     options.free_rotation = free_rotation;
+    options.threads = threads;
     return options;
 }
 
@@ -101,6 +132,12 @@ Timing timed_steps(engine::Simulation& simulation, int steps) {
     const double start = processor_seconds();
     const double contacts = simulation.advance(steps).contacts;
     return {processor_seconds() - start, contacts};
+}
+
+Timing timed_steps_of_all_threads(engine::Simulation& simulation, int steps) {
+    const auto start = std::chrono::steady_clock::now();
+    const double contacts = simulation.advance(steps).contacts;
+    return {std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), contacts};
 }
 
 }  // namespace loam::experiments

@@ -29,7 +29,7 @@ engine::Packing bench_packing(std::uint32_t particles);
 engine::Packing seated(const engine::Packing& packing, const engine::ContactLaw& law, bool free_rotation);
 
 /// Options of the simulations that are measured.
-engine::SimulationOptions bench_options(bool free_rotation);
+engine::SimulationOptions bench_options(bool free_rotation, int threads = 1);
 
 inline constexpr double strain_per_step = 6e-7;  // slow: neighbours stay what they are for hundreds of steps
 
@@ -38,5 +38,7 @@ void compress(engine::Simulation& simulation, double strain_a_step);
 
 /// Advances by that many steps and says the processor time of this thread (s) and the contacts at the end.
 Timing timed_steps(engine::Simulation& simulation, int steps);
+/// The same with the time that passes, which is what several threads are for.
+Timing timed_steps_of_all_threads(engine::Simulation& simulation, int steps);
 
 }  // namespace loam::experiments
