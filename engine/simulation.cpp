@@ -68,6 +68,7 @@ Simulation::Simulation(const Packing& packing, const ContactLaw& law, const Simu
     time_step_overlap_ = options.largest_overlap > 0 ? options.largest_overlap : 0.02;
     count_ = static_cast<std::size_t>(packing.radii.size());
     outside_ = locality_order(packing);
+    time_step_radius_ = options.density_scaling ? packing.radii.mean() : packing.radii.minCoeff();
     particles_.resize(count_ + 2);  // and two dummies, which fill the last block of pairs
     forces_.assign(count_ + 2, ForceRow{});
     if (options_.free_rotation) spins_.assign(count_ + 2, SpinRow{});
@@ -75,7 +76,8 @@ Simulation::Simulation(const Packing& packing, const ContactLaw& law, const Simu
     for (std::size_t p = 0; p < count_; ++p) {
         const auto at = static_cast<Eigen::Index>(outside_[p]);
         const double r = packing.radii[at], volume = 4.0 / 3.0 * std::numbers::pi * r * r * r,
-                     mass = volume * options_.grain_density;
+                     mass =
+                         volume * options_.grain_density * std::max(1.0, std::pow(time_step_radius_ / r, 2));
         const Eigen::Vector3d x = packing.centres.col(at);
         particles_[p] = {{x.x(), x.y(), x.z()}, r, {0, 0, 0}, 1.0 / mass};
         if (options_.free_rotation) spins_[p].inverse_inertia = 2.5 / (mass * r * r);
@@ -106,9 +108,10 @@ void Simulation::set_law(const ContactLaw& law) {
     set_time_step();
 }
 
-/// The time of a p-wave across the smallest particle, times the safety factor (Smilauer et al. 2015).
+/// The time of a p-wave across the smallest particle that is not made heavier, times the safety factor
+/// (Smilauer et al. 2015).
 void Simulation::set_time_step() {
-    dt_ = options_.time_step_safety * 0.5 * smallest_diameter_ *
+    dt_ = options_.time_step_safety * time_step_radius_ *
           std::sqrt(options_.grain_density / wave_modulus(law_, composition_, time_step_overlap_));
 }
 

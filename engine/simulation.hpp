@@ -19,6 +19,9 @@ struct SimulationOptions {
     bool free_rotation = false;
     double damping = 0.4;           // Cundall's local damping
     double grain_density = 2600.0;  // kg/m³
+    // Makes particles smaller than the mean as heavy as its time step demands, so that the smallest does not
+    // set it: harmless where motion is quasi-static.
+    bool density_scaling = false;
     double time_step_safety = 0.7;  // over the p-wave estimate min R sqrt(rho/E)
     double neighbour_skin = 0.06;   // gap over R_i + R_j up to which a pair is listed
     // Overlap over R_i + R_j that the time step of Hertzian contacts is made for; 0: follows the packing.
@@ -163,6 +166,7 @@ class Simulation {
         reachable_;  // of every part: one past the last pair that may have met since then
     Eigen::Matrix3d cell_, gradient_ = Eigen::Matrix3d::Zero();
     double reference_volume_ = 0;   // 0: the cell's
+    double time_step_radius_ = 0;   // of the particle that the time step is made for (m)
     double time_step_overlap_ = 0;  // over R_i + R_j, that the time step is made for
     double dt_ = 0, solid_volume_ = 0, mean_diameter_ = 0, smallest_diameter_ = 0, largest_diameter_ = 0;
     std::uint64_t steps_ = 0, rebuilds_ = 0;

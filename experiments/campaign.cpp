@@ -84,6 +84,7 @@ EnsembleHeader make_header(const Settings& settings, const ParameterSpace& space
     a["size_spread"] = fmt::format("{}", settings.specimen.size_spread);
     a["preparation_stress_kPa"] = fmt::format("{}", settings.specimen.preparation_stress_kPa);
     a["damping"] = fmt::format("{}", settings.engine.damping);
+    a["density_scaling"] = settings.engine.density_scaling ? "true" : "false";
     a["time_step_safety"] = fmt::format("{}", settings.engine.time_step_safety);
     a["inertial_number"] = fmt::format("{}", settings.engine.inertial_number);
     a["fragile"] = settings.engine.fragile ? "true" : "false";

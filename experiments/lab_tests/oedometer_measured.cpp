@@ -31,6 +31,7 @@ engine::SimulationOptions simulation_options(const Settings& settings, double gr
     how.free_rotation = settings.rotation == "free";
     how.damping = settings.engine.damping;
     how.grain_density = grain_density;
+    how.density_scaling = settings.engine.density_scaling;
     how.time_step_safety = settings.engine.time_step_safety;
     how.energy_balance = energy_balance;
     return how;

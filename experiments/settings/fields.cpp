@@ -112,6 +112,8 @@ const std::array table{
 
     Field{"engine", "damping", [](Settings& s) -> Slot { return &s.engine.damping; },
           "Cundall's local damping, 1", {.lower = 0, .upper = 1, .open_upper = true}},
+    Field{"engine", "density_scaling", [](Settings& s) -> Slot { return &s.engine.density_scaling; },
+          "small particles are as heavy as the mean one's time step demands"},
     Field{"engine", "time_step_safety", [](Settings& s) -> Slot { return &s.engine.time_step_safety; },
           "time step over the critical (p-wave) one, 1", up_to_one},
     Field{"engine", "inertial_number", [](Settings& s) -> Slot { return &s.engine.inertial_number; },

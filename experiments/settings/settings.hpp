@@ -29,6 +29,7 @@ struct Prior {
 /// How a simulation is run.
 struct EngineSettings {
     double damping = 0.4;             // Cundall's local damping, 0..1
+    bool density_scaling = true;      // small particles as heavy as the mean one's time step demands
     double time_step_safety = 0.85;   // fraction of the critical (p-wave) time step
     double inertial_number = 3.5e-4;  // target while loading: sets the strain rate
     bool fragile = true;              // a cohesive bond, once broken, does not heal

@@ -9,7 +9,10 @@ namespace loam::experiments {
 using nlohmann::json;
 
 json model_result(const Settings& settings) {
-    return {{"law", settings.law}, {"rotation", settings.rotation}, {"effects", settings.effects}};
+    return {{"law", settings.law},
+            {"rotation", settings.rotation},
+            {"effects", settings.effects},
+            {"density_scaling", settings.engine.density_scaling}};
 }
 
 json common_result(const Settings& settings, std::string_view name, const Campaign& campaign,

@@ -41,8 +41,16 @@ inline engine::ContactLaw yade_hertz() {
     return law;
 }
 
+inline engine::ContactLaw yade_rolling() {
+    engine::ContactLaw law = yade_linear(0.46);
+    law.rolling = {.friction = 0.15, .stiffness = 2};
+    return law;
+}
+
 inline std::vector<YadeTriaxialCase> yade_triaxial_cases() {
     return {
+        {"blocked", false, yade_linear(0.20)},
+        {"rolling", true, yade_rolling()},
         {"free", true, yade_linear(0.46)},
         {"hertz", true, yade_hertz()},
     };

@@ -21,6 +21,7 @@ Eigen::VectorXd run_at(const engine::Packing& packing, const engine::ContactLaw&
                        const Settings& settings, const lab_data::Test& test) {
     engine::SimulationOptions how;
     how.damping = settings.engine.damping;
+    how.density_scaling = settings.engine.density_scaling;
     how.time_step_safety = settings.engine.time_step_safety;
     OedometerOptions options;
     options.stages = test.column("axial_stress");
