@@ -93,17 +93,28 @@ LOAM_INLINE void store3(double* x, double* y, double* z, const Column3& c) {
     store(z, c.z);
 }
 
+/// The rolling moment on i in one step, and as it was kept from the last one.
+struct RollingStep : SpringStep {
+    Column3 kept;
+    Column kept_stiffness;
+};
+
 /// Rolling moment on i of `lanes` pairs: a spring against the difference of the spins across the contact, up
 /// to rolling_friction · F_n · min(R_i, R_j).
 template <class Law>
 LOAM_INLINE void resist_rolling(const ContactArguments& a, std::size_t k, const Law& law,
                                 const Touch<Column>& pair, Column fn, const Column3& normal, Column twist,
-                                SpringStep& r) {
+                                RollingStep& r) {
     const Column zero = splat(0.0), one = splat(1.0);
     double *const x = a.further[0] + k, *const y = a.further[1] + k, *const z = a.further[2] + k;
     Column3 moment = {load(x), load(y), load(z)};
-    if constexpr (Law::rescales) moment = scaled(law.shear_rescale(), moment);
-    r.stiffness = a.law.rolling_stiffness * law.kt * pair.reduced_radius * pair.radius_sum;
+    const Column radii = a.law.rolling_stiffness * pair.reduced_radius * pair.radius_sum;
+    r.stiffness = law.kt * radii;
+    if constexpr (Law::rescales) {
+        r.kept = moment;
+        r.kept_stiffness = law.last_kt * radii;
+        moment = scaled(law.shear_rescale(), moment);
+    }
     r.before = plus_scaled(moment, twist, cross(normal, moment));
     moment = plus_scaled(r.before, a.dt * r.stiffness, gather_spin_differences(a, k));
     r.trial = minus_scaled(moment, dot(moment, normal), normal);
@@ -121,7 +132,7 @@ LOAM_INLINE void resist_rolling(const ContactArguments& a, std::size_t k, const 
 template <Turning turning, class Law>
 LOAM_INLINE void add_losses(const ContactArguments& a, std::size_t k, const Law& law,
                             const Touch<Column>& pair, Mask touching, Column damping, const Shear& s,
-                            const SpringStep& rolling, ContactLanes& totals) {
+                            const RollingStep& rolling, ContactLanes& totals) {
     if constexpr (Law::rescales)
         totals.add_rescale({load(a.shear_x + k), load(a.shear_y + k), load(a.shear_z + k)}, law.last_kt,
                            s.before, law.kt);
@@ -135,7 +146,11 @@ LOAM_INLINE void add_losses(const ContactArguments& a, std::size_t k, const Law&
             totals.lost += choose(ended, 0.5 * law.twice_stored(law.force, pair.overlap), splat(0.0));
         }
     }
-    if constexpr (turning == Turning::resisted) totals.add_sliding(rolling);
+    if constexpr (turning == Turning::resisted) {
+        totals.add_sliding(rolling);
+        if constexpr (Law::rescales)
+            totals.add_rescale(rolling.kept, rolling.kept_stiffness, rolling.before, rolling.stiffness);
+    }
 }
 
 /// Forces of `lanes` pairs: applies the law to columns, transposes back and adds. Lanes that do not touch
@@ -171,7 +186,7 @@ LOAM_INLINE void add_forces(const ContactArguments& a, std::size_t k, const Geom
         limit_shear(law, fn, s);
     }
     const Column3 f = minus_scaled(s.force, fn, normal);  // on i
-    SpringStep rolling;
+    RollingStep rolling;
     if constexpr (turning == Turning::blocked) {
         scatter_forces(a, k, f);
     } else {

@@ -34,6 +34,7 @@ struct PairOptions {
     double safety = 0.01;                                       // of the time step
     double damping = 0;
     bool free_rotation = false;
+    double largest_overlap = 0;  // over the sum of the radii, for a constant time step of Hertzian contacts
 };
 
 /// Linear springs without friction or cohesion.
@@ -46,8 +47,7 @@ inline LinearCohesive elastic_law(double young_modulus) {
 
 class TwoSpheres {
   public:
-    TwoSpheres(const LinearCohesive& law, const PairOptions& o)
-        : simulation(pack(o), law, how(o)), options_(o) {
+    TwoSpheres(const ContactLaw& law, const PairOptions& o) : simulation(pack(o), law, how(o)), options_(o) {
         mass_[0] = sphere_mass(o.radius_0, simulation.grain_density());
         mass_[1] = sphere_mass(o.radius_1, simulation.grain_density());
     }
@@ -123,6 +123,7 @@ class TwoSpheres {
         options.damping = o.damping;
         options.time_step_safety = o.safety;
         options.free_rotation = o.free_rotation;
+        options.largest_overlap = o.largest_overlap;
         options.energy_balance = true;
         return options;
     }
