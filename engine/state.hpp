@@ -43,9 +43,9 @@ struct alignas(64) SpinRow {
     double radius_spin[3], unused, spin[3], inverse_inertia;
 };
 
-/// Force (N) and moment (N·m) on a particle, summed over its contacts.
+/// Force (N) on a particle, and moment over its radius (N), summed over its contacts.
 struct alignas(64) ForceRow {
-    double force[3], unused0, moment[3], unused1;
+    double force[3], unused0, moment_per_radius[3], unused1;
 };
 
 /// All rows have this size, so that one offset finds a particle in every array.

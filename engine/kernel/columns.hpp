@@ -56,30 +56,22 @@ LOAM_INLINE void gather_differences(const ContactArguments& a, std::size_t k, Co
 
 /// Sums of R·spin of both particles.
 LOAM_INLINE Column3 gather_spin_sums(const ContactArguments& a, std::size_t k) {
-    v4 of_i[lanes], of_j[lanes];
-    for (std::size_t l = 0; l < lanes; ++l) {
-        of_i[l] = load4(row_of(a.spins, a.row_i[k + l]));
-        of_j[l] = load4(row_of(a.spins, a.row_j[k + l]));
-    }
-    HalfRows sums, others;
-    sums.set_rows(of_i);
-    others.set_rows(of_j);
-    for (int m = 0; m < 4; ++m) sums.r[m] += others.r[m];
+    v4 rows[lanes];
+    for (std::size_t l = 0; l < lanes; ++l)
+        rows[l] = load4(row_of(a.spins, a.row_i[k + l])) + load4(row_of(a.spins, a.row_j[k + l]));
+    HalfRows sums;
+    sums.set_rows(rows);
     sums.transpose();
     return {sums.r[0], sums.r[1], sums.r[2]};
 }
 
 /// Spin of j minus spin of i.
 LOAM_INLINE Column3 gather_spin_differences(const ContactArguments& a, std::size_t k) {
-    v4 of_i[lanes], of_j[lanes];
-    for (std::size_t l = 0; l < lanes; ++l) {
-        of_i[l] = load4(row_of(a.spins, a.row_i[k + l]) + 4);
-        of_j[l] = load4(row_of(a.spins, a.row_j[k + l]) + 4);
-    }
-    HalfRows differences, others;
-    differences.set_rows(of_j);
-    others.set_rows(of_i);
-    for (int m = 0; m < 4; ++m) differences.r[m] = differences.r[m] - others.r[m];
+    v4 rows[lanes];
+    for (std::size_t l = 0; l < lanes; ++l)
+        rows[l] = load4(row_of(a.spins, a.row_j[k + l]) + 4) - load4(row_of(a.spins, a.row_i[k + l]) + 4);
+    HalfRows differences;
+    differences.set_rows(rows);
     differences.transpose();
     return {differences.r[0], differences.r[1], differences.r[2]};
 }
@@ -96,11 +88,26 @@ LOAM_INLINE void scatter_forces(const ContactArguments& a, std::size_t k, const 
     }
 }
 
-/// The same with moments: `moment_j` is the one on j turned round, so that both rows of j are taken away.
+/// The same with moments over the radii, which are equal on i and j.
+LOAM_INLINE void scatter_forces_and_moment(const ContactArguments& a, std::size_t k, const Column3& f,
+                                           const Column3& moment) {
+    HalfRows forces = {{f.x, f.y, f.z, splat(0.0)}}, moments = {{moment.x, moment.y, moment.z, splat(0.0)}};
+    forces.transpose();
+    moments.transpose();
+    const v8 sign = join(row4(-1, -1, -1, -1), row4(1, 1, 1, 1));
+    for (int l = 0; l < lanes; ++l) {
+        double *i = row_of(a.forces, a.row_i[k + l]), *j = row_of(a.forces, a.row_j[k + l]);
+        const v8 row = whole_row(forces, moments, l);
+        store8(i, load8(i) + row);
+        store8(j, load8(j) + row * sign);
+    }
+}
+
+/// The same with moments over the radii that differ.
 LOAM_INLINE void scatter_forces_and_moments(const ContactArguments& a, std::size_t k, const Column3& f,
                                             const Column3& moment_i, const Column3& moment_j) {
     HalfRows rows = {{f.x, f.y, f.z, splat(0.0)}}, of_i = {{moment_i.x, moment_i.y, moment_i.z, splat(0.0)}},
-             of_j = {{moment_j.x, moment_j.y, moment_j.z, splat(0.0)}};
+             of_j = {{-moment_j.x, -moment_j.y, -moment_j.z, splat(0.0)}};
     rows.transpose();
     of_i.transpose();
     of_j.transpose();

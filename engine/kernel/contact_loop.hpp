@@ -93,6 +93,12 @@ LOAM_INLINE void store3(double* x, double* y, double* z, const Column3& c) {
     store(z, c.z);
 }
 
+/// One over a radius, which is zero at a wall.
+LOAM_INLINE Column over_radius(Column radius) {
+    const Mask real = radius > splat(0.0);
+    return choose(real, inverse(choose(real, radius, splat(1.0))), splat(0.0));
+}
+
 /// The rolling moment on i in one step, and as it was kept from the last one.
 struct RollingStep : SpringStep {
     Column3 kept;
@@ -190,16 +196,19 @@ LOAM_INLINE void add_forces(const ContactArguments& a, std::size_t k, const Geom
     if constexpr (turning == Turning::blocked) {
         scatter_forces(a, k, f);
     } else {
-        const Column3 t = cross(normal, s.force);
-        const Column arms = pair.radius_sum - pair.overlap;
-        Column3 moment_i = scaled(0.5 * (arms - g.radius_difference), t),
-                moment_j = scaled(-0.5 * (arms + g.radius_difference), t);
+        // The contact parts the branch as the radii: moments over the radii are equal, and the moments
+        // balance the couple of the shear forces.
+        const Column share = (pair.radius_sum - pair.overlap) * inverse(pair.radius_sum);
+        const Column3 moment = scaled(share, cross(normal, s.force));
         if constexpr (turning == Turning::resisted) {
             resist_rolling(a, k, law, pair, fn, normal, turn.twist, rolling);
-            moment_i = plus_scaled(moment_i, splat(1.0), rolling.now);
-            moment_j = plus_scaled(moment_j, splat(1.0), rolling.now);
+            const Column of_i = 0.5 * (pair.radius_sum - g.radius_difference),
+                         of_j = 0.5 * (pair.radius_sum + g.radius_difference);
+            scatter_forces_and_moments(a, k, f, plus_scaled(moment, over_radius(of_i), rolling.now),
+                                       minus_scaled(moment, over_radius(of_j), rolling.now));
+        } else {
+            scatter_forces_and_moment(a, k, f, moment);
         }
-        scatter_forces_and_moments(a, k, f, moment_i, moment_j);
     }
     if constexpr (measure != Measure::nothing) {
         totals.power -= dot(f, mean);

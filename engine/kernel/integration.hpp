@@ -62,7 +62,8 @@ void integrate(const IntegrateArguments& a, IntegrateSums& sums) {
         if constexpr (Rotation) {
             double* spin_row[2] = {a.spins[p].radius_spin, a.spins[p + 1].radius_spin};
             const v8 spin = upper_halves(load8(spin_row[0]), load8(spin_row[1]));
-            const v8 moment = join(load4(a.forces[p].moment), load4(a.forces[p + 1].moment));
+            const v8 moment = spread<3>(x) * join(load4(a.forces[p].moment_per_radius),
+                                                  load4(a.forces[p + 1].moment_per_radius));
             const v8 inverse_inertia = spread<3>(spin);
             const v8 turn = inverse_inertia * moment;
             const v8 left = motion.kept(moment * (spin + motion.half_dt * turn));
@@ -70,8 +71,8 @@ void integrate(const IntegrateArguments& a, IntegrateSums& sums) {
             const v8 radius_spin = without_fourth(spread<3>(x) * spin_new);
             store8(spin_row[0], lower_halves(radius_spin, spin_new));
             store8(spin_row[1], upper_halves(radius_spin, spin_new));
-            store4(a.forces[p].moment, lower_half(zero));
-            store4(a.forces[p + 1].moment, lower_half(zero));
+            store4(a.forces[p].moment_per_radius, lower_half(zero));
+            store4(a.forces[p + 1].moment_per_radius, lower_half(zero));
             if constexpr (measure != Measure::nothing) lost += (moment - left * moment) * (spin + spin_new);
             if constexpr (measure == Measure::all)
                 kinetic += without_fourth(spin_new * spin_new / inverse_inertia);

@@ -30,6 +30,9 @@ LOAM_INLINE v4 load4(const double* p) {
 LOAM_INLINE void store4(double* p, v4 a) {
     *reinterpret_cast<v4*>(p) = a;
 }
+LOAM_INLINE v4 row4(double x, double y, double z, double w) {
+    return v4{x, y, z, w};
+}
 LOAM_INLINE double lane(v8 a, int k) {
     return a[k];
 }
