@@ -43,17 +43,26 @@ LOAM_INLINE void limit_shear(const Law& law, Column fn, Shear& s) {
     s.now = s.force = scaled(scale, s.trial);
 }
 
-/// The same where a dashpot stands beside the spring: the limit holds for their sum, and the spring gives
-/// way.
+/// The same where a dashpot stands beside the spring, both in series with the slider: the limit holds for
+/// their sum, and the spring and the dashpot give way together. With a = c / (k dt), force = spring + a
+/// (spring - before).
 template <class Law>
-LOAM_INLINE void limit_damped_shear(const Law& law, Column fn, Shear& s) {
+LOAM_INLINE void limit_damped_shear(const Law& law, Column fn, Column kt_dt, Shear& s) {
     const Column zero = splat(0.0), one = splat(1.0), limit = law.shear_limit(fn);
-    const Column3 dashpot = scaled(law.shear_dashpot(), s.slip_rate);
-    const Column3 both = plus_scaled(dashpot, one, s.trial);
+    const Column dashpot = law.shear_dashpot();
+    const Column3 both = plus_scaled(s.trial, dashpot, s.slip_rate);
     const Column s2 = dot(both, both), on = choose(law.active, one, zero);
     s.sliding = (s2 > limit * limit) & law.active;
     s.force = scaled(choose(s.sliding, limit * inverse_sqrt(choose(s.sliding, s2, one)), on), both);
-    s.now = minus_scaled(s.force, on, dashpot);
+    s.now = scaled(on, s.trial);
+    if (!any(s.sliding)) return;
+    const Mask springy = kt_dt > zero;
+    const Column a = dashpot / choose(springy, kt_dt, one), share = one / (one + a);
+    const Column3 before = minus_scaled(s.trial, kt_dt, s.slip_rate);
+    const Column3 yielding = scaled(share, plus_scaled(s.force, a, before));
+    const Mask spring_slides = s.sliding & springy;
+    s.now = {choose(spring_slides, yielding.x, s.now.x), choose(spring_slides, yielding.y, s.now.y),
+             choose(spring_slides, yielding.z, s.now.z)};
 }
 
 /// What turning particles add to the motion of a contact.
@@ -187,7 +196,7 @@ LOAM_INLINE void add_forces(const ContactArguments& a, std::size_t k, const Geom
     if constexpr (Law::viscous) {
         closing = zero - dot(velocity, normal);
         fn += choose(law.active, law.normal_dashpot() * closing, zero);
-        limit_damped_shear(law, fn, s);
+        limit_damped_shear(law, fn, a.dt * law.kt, s);
     } else {
         limit_shear(law, fn, s);
     }
