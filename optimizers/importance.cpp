@@ -134,6 +134,8 @@ void require(bool holds, const char* field, double value, const char* constraint
 
 void ImportanceOptions::validate() const {
     require(rounds >= 1, "rounds", rounds, "at least 1");
+    require(most_rounds >= rounds, "most_rounds", most_rounds, "at least rounds");
+    require(wanted > 1, "wanted", wanted, "above 1");
     require(draws >= 50, "draws", draws, "at least 50");
     require(last_draws >= 50, "last_draws", last_draws, "at least 50");
     require(components >= 1, "components", components, "at least 1");
@@ -155,8 +157,12 @@ WeightedDraws sample_by_importance(const BatchDensity& log_density, const Matrix
     Rounds rounds(log_density, options, first.rows());
     const Matrix z =
         first.unaryExpr([](double x) { return normal_quantile(std::clamp(x, 1e-12, 1 - 1e-12)); });
-    for (int round = 0; round < options.rounds; ++round) {
-        const Index count = round + 1 == options.rounds ? options.last_draws : options.draws;
+    const auto is_enough = [&] {
+        return effective_number(normalised(rounds.log_weight())) >= options.wanted;
+    };
+    int round = 0;
+    for (; round < options.rounds || (round < options.most_rounds && !is_enough()); ++round) {
+        const Index count = round + 1 >= options.rounds ? options.last_draws : options.draws;
         if (round == 0)
             rounds.advance(z, first_log_weight, count);
         else
@@ -169,10 +175,11 @@ WeightedDraws sample_by_importance(const BatchDensity& log_density, const Matrix
     out.weight = normalised(rounds.log_weight());
     out.log_density = rounds.log_density();
     out.effective = effective_number(out.weight);
-    out.summary.stopped_by = "the rounds asked for";
+    out.summary.converged = out.effective >= options.wanted;
+    out.summary.stopped_by =
+        out.summary.converged ? "as many effective draws as wanted" : "the most rounds allowed";
     out.summary.evaluations = static_cast<int>(out.draws.rows());
     out.summary.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
-    out.summary.converged = true;
     return out;
 }
 

@@ -19,6 +19,8 @@ using BatchDensity = std::function<Vector(const Matrix& points)>;
 
 struct ImportanceOptions {
     int rounds = 3;          ///< >= 1
+    int most_rounds = 8;     ///< further ones as the last follow while the effective number is too small
+    double wanted = 100;     ///< effective number of draws
     int draws = 300;         ///< of every round but the last, >= 50
     int last_draws = 600;    ///< of the last, >= 50
     int components = 4;      ///< of a mixture at most, >= 1

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "experiments/likelihood_terms.hpp"
 #include "experiments/workflows/parameter_summary.hpp"
@@ -16,18 +17,22 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr Index kept_draws = 1000;
+constexpr int misfit_grid = 40;
+constexpr Index tried_draws = 200;            // of the posterior, among which the search's starts are
+constexpr Index starts = 3;                   // of the search for the estimate
 constexpr double void_ratio_tolerance = 0.1;  // coordinate: how far off a point of the library may be
 
 class SampleLikelihood {
   public:
-    SampleLikelihood(const BulkSample& sample, const GroupEmulator& group, const ParameterSpace& space)
-        : sample_(sample), group_(group), space_(space) {
+    /// `packing_share` is that of fit.hpp's Observation.
+    SampleLikelihood(const BulkSample& sample, const GroupEmulator& group, const ParameterSpace& space,
+                     double packing_share)
+        : sample_(sample), group_(group), space_(space), packing_share_(packing_share) {
         const MatrixXd& w = sample.interpolation;
         const surrogate::CurveEmulator& emulator = group.emulator;
         loadings_ = w * emulator.loadings();
         noise_ = w * emulator.noise().centre * w.transpose();
-        large_specimen_ = 0.5 * (1 - std::min(1.0, sample.observation.packing_share)) *
-                          (w * emulator.noise().centre.diagonal());
+        large_specimen_ = 0.5 * (1 - std::min(1.0, packing_share)) * (w * emulator.noise().centre.diagonal());
         VectorXd target(w.rows());
         for (Index k = 0; k < w.rows(); ++k)
             target[k] = sample.transform.forward(sample.observation.measured[k]);
@@ -92,6 +97,19 @@ class SampleLikelihood {
         return covariance(theta, at.variance, group_.emulator.noise().scale(inputs(theta)));
     }
 
+    /// The misfit's coordinate that is most probable with the others as they are.
+    void improve_misfit(VectorXd& theta, double& value) const {
+        const surrogate::ComponentPrediction at = group_.emulator.predict_components(inputs(theta));
+        VectorXd candidate = theta;
+        for (int k = 0; k <= misfit_grid; ++k) {
+            candidate[parameters()] = static_cast<double>(k) / misfit_grid;
+            const double now = log_likelihood(candidate, at.mean, at.variance) + log_prior(candidate);
+            if (now <= value) continue;
+            value = now;
+            theta[parameters()] = candidate[parameters()];
+        }
+    }
+
     double emulator_share(const VectorXd& theta) const {
         const surrogate::ComponentPrediction at = group_.emulator.predict_components(inputs(theta));
         return (loadings_.cwiseAbs2() * at.variance).sum() / covariance(theta).trace();
@@ -132,7 +150,7 @@ class SampleLikelihood {
 
     MatrixXd covariance(const VectorXd& theta, const VectorXd& variance, double scale) const {
         MatrixXd c = loadings_ * variance.asDiagonal() * loadings_.transpose();
-        c += sample_.observation.packing_share * scale * noise_;
+        c += packing_share_ * scale * noise_;
         c.diagonal() += reading_variance(sample_.observation, sample_.transform, misfit(theta));
         return c;
     }
@@ -140,14 +158,17 @@ class SampleLikelihood {
     const BulkSample& sample_;
     const GroupEmulator& group_;
     const ParameterSpace& space_;
+    double packing_share_;
     MatrixXd loadings_, noise_;           // at the sample's readings
     VectorXd large_specimen_, residual_;  // residual_: measured minus the emulator's offset
 };
 
-/// Least squares from theta with the covariance held at it, as long as that gains.
+/// Least squares from theta with the covariance held at it, and the misfit, in turns as long as that gains.
 void refine(const SampleLikelihood& likelihood, VectorXd& theta, double& value) {
     const Index d = likelihood.parameters();
-    for (int pass = 0; pass < 3; ++pass) {
+    for (int pass = 0; pass < 4; ++pass) {
+        const double before = value;
+        likelihood.improve_misfit(theta, value);
         const Eigen::LLT<MatrixXd> factor(likelihood.covariance(theta));
         if (factor.info() != Eigen::Success) return;
         const auto residuals = [&](const VectorXd& x, VectorXd& r, MatrixXd* jacobian) {
@@ -161,19 +182,41 @@ void refine(const SampleLikelihood& likelihood, VectorXd& theta, double& value) 
         VectorXd candidate = theta;
         candidate.head(d) = found.minimum.x;
         const double better = likelihood.log_posterior(candidate)[0];
-        if (!(better > value)) return;
-        const bool settled = better - value < 1e-3;
-        theta = candidate;
-        value = better;
-        if (settled) return;
+        if (better > value) {
+            theta = candidate;
+            value = better;
+        }
+        if (value - before < 1e-2) return;
     }
+}
+
+/// The most probable set [d + 1] under `likelihood`, from the best of the points [d + 1 x k].
+VectorXd search(const SampleLikelihood& likelihood, const MatrixXd& points) {
+    VectorXd values = likelihood.log_posterior(points);
+    VectorXd best;
+    double best_value = -INFINITY;
+    for (Index k = 0; k < starts; ++k) {
+        Index at = 0;
+        double value = values.maxCoeff(&at);
+        if (!std::isfinite(value)) break;
+        VectorXd theta = points.col(at);
+        // Starts that are neighbours end alike.
+        for (Index j = 0; j < values.size(); ++j)
+            if ((points.col(j) - theta).cwiseAbs().maxCoeff() < 0.1) values[j] = -INFINITY;
+        refine(likelihood, theta, value);
+        if (value <= best_value) continue;
+        best = theta;
+        best_value = value;
+    }
+    if (best.size() == 0) throw std::runtime_error("the likelihood is nowhere finite");
+    return best;
 }
 
 }  // namespace
 
 SampleFit fit_sample(const BulkSample& sample, const GroupEmulator& group, const ParameterSpace& space,
                      const Settings& settings, std::uint64_t seed) {
-    const SampleLikelihood likelihood(sample, group, space);
+    const SampleLikelihood likelihood(sample, group, space, sample.observation.packing_share);
     optimizers::ImportanceOptions options;
     options.draws = std::max(50, settings.bulk.posterior_draws / 2);
     options.last_draws = std::max(50, settings.bulk.posterior_draws);
@@ -181,19 +224,31 @@ SampleFit fit_sample(const BulkSample& sample, const GroupEmulator& group, const
     const optimizers::WeightedDraws posterior = optimizers::sample_by_importance(
         [&](const MatrixXd& points) { return likelihood.log_posterior(points); }, group.library,
         likelihood.library_weights(), options);
-    Index best = 0;
-    double value = posterior.log_density.maxCoeff(&best);
-    VectorXd theta = posterior.draws.row(best).transpose();
-    refine(likelihood, theta, value);
+    const SampleLikelihood representative(sample, group, space, 0);
+    const VectorXd theta = search(representative, posterior.resampled(tried_draws).transpose());
 
     SampleFit out;
     out.estimate = theta.head(space.dimension());
-    out.misfit = likelihood.misfit(theta);
+    out.misfit = representative.misfit(theta);
     out.quantiles = quantiles_of(posterior.resampled(kept_draws).leftCols(space.dimension()));
     out.effective = posterior.effective;
-    out.emulator_share = likelihood.emulator_share(theta);
-    out.predicted = likelihood.curve(out.estimate);
+    out.emulator_share = representative.emulator_share(theta);
+    out.predicted = representative.curve(out.estimate);
     return out;
+}
+
+MatrixXd likely_points(const BulkSample& sample, const GroupEmulator& group, const ParameterSpace& space,
+                       Index count, std::uint64_t seed) {
+    const SampleLikelihood likelihood(sample, group, space, sample.observation.packing_share);
+    optimizers::ImportanceOptions options;
+    options.rounds = options.most_rounds = 1;
+    options.last_draws = 100;
+    options.seed = seed;
+    return optimizers::sample_by_importance(
+               [&](const MatrixXd& points) { return likelihood.log_posterior(points); }, group.library,
+               likelihood.library_weights(), options)
+        .resampled(count)
+        .leftCols(space.dimension());
 }
 
 }  // namespace loam::experiments

@@ -16,7 +16,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 // Places of the runs in the ensemble, as in calibration.cpp: every run's index follows from its purpose.
-constexpr std::uint64_t confirmations_from = 1'000'000'000, trial_size = 1000;
+constexpr std::uint64_t further_from = 2'000'000, confirmations_from = 1'000'000'000, trial_size = 1000;
 constexpr std::uint64_t training_packings = 1, confirmation_packings = 2, design_stream = 3;
 constexpr std::uint64_t packing_pool = 128;
 
@@ -132,9 +132,27 @@ RunSpec SharedEnsemble::training_spec(std::uint64_t index, const char* purpose, 
             static_cast<std::uint32_t>(settings.particles)};
 }
 
-std::vector<RunRecord> SharedEnsemble::train() {
+std::vector<RunRecord> SharedEnsemble::train_at(const MatrixXd& points) {
+    std::vector<RunSpec> specs;
+    for (Index k = 0; k < points.rows(); ++k)
+        specs.push_back(training_spec(further_from + static_cast<std::uint64_t>(k), "training",
+                                      space().physical(points.row(k).transpose())));
+    return campaign_->run("further training", specs);
+}
+
+std::optional<std::vector<RunRecord>> SharedEnsemble::stored_further(Index count) const {
+    std::vector<RunRecord> out;
+    for (Index k = 0; k < count; ++k) {
+        std::optional<RunRecord> run = campaign_->store().find(further_from + static_cast<std::uint64_t>(k));
+        if (!run) return std::nullopt;
+        out.push_back(std::move(*run));
+    }
+    return out;
+}
+
+std::vector<RunRecord> SharedEnsemble::train(Index n) {
     const Settings& settings = campaign_->settings();
-    const Index n = settings.runs, d = space().dimension();
+    const Index d = space().dimension();
     const std::uint64_t seed = run_seed(settings.seed, 0, design_stream);
     const MatrixXd u = settings.calibration.design == "sobol"
                            ? surrogate::sobol_sequence(n, d, {.seed = seed})

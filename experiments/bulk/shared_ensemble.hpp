@@ -43,8 +43,12 @@ class SharedEnsemble {
     /// Coordinate of the sample's void ratio; 0 where it is no input.
     double void_ratio_coordinate(const lab_data::Test& test) const;
 
-    /// The training runs.
-    std::vector<RunRecord> train();
+    /// The first training runs: a design over the prior.
+    std::vector<RunRecord> train(Eigen::Index count);
+    /// Further training runs at points [n x d] of the unit cube.
+    std::vector<RunRecord> train_at(const Eigen::MatrixXd& points);
+    /// Those further runs, if all `count` of them are stored.
+    std::optional<std::vector<RunRecord>> stored_further(Eigen::Index count) const;
     /// `count` direct runs for each trial, on specimens that no emulator saw; [trials][count].
     std::vector<std::vector<RunRecord>> confirm(const std::vector<DirectTrial>& trials, int count);
 

@@ -8,12 +8,15 @@
 #include <chrono>
 #include <cmath>
 #include <exception>
+#include <functional>
 #include <stdexcept>
 
 #include "experiments/bulk/fit_journal.hpp"
+#include "experiments/bulk/inverse_kriging.hpp"
 #include "experiments/bulk/verdict.hpp"
 #include "experiments/ensemble/run_seed.hpp"
 #include "experiments/output/progress.hpp"
+#include "experiments/settings/validation.hpp"
 
 namespace loam::experiments {
 namespace {
@@ -21,7 +24,8 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-constexpr std::uint64_t fit_stream = 32;
+constexpr std::uint64_t fit_stream = 32, design_stream = 33;
+constexpr double first_share = 0.4;  // of the training runs that are spread over the prior
 
 /// Adds the seconds of a stretch of work to the study's parts.
 class PartTimer {
@@ -41,6 +45,33 @@ class PartTimer {
     std::chrono::steady_clock::time_point began_;
 };
 
+/// Further runs where the samples' posteriors lie by the emulators of the first runs: the prior is much wider
+/// than any data set, and an emulator must be good where it is asked.
+std::vector<RunRecord> further_runs(SharedEnsemble& ensemble, const Settings& settings,
+                                    const std::vector<RunRecord>& first,
+                                    const std::vector<BulkSample>& samples, Index count, BulkStudy& study) {
+    if (auto stored = ensemble.stored_further(count)) return std::move(*stored);
+    Eigen::MatrixXd points(count, ensemble.space().dimension());
+    {
+        const PartTimer timer(study, "design of further runs");
+        const GroupEmulators emulators(ensemble, first, samples, settings);
+        const auto n = static_cast<Index>(samples.size());
+        const Index each = (count + n - 1) / n;
+#pragma omp parallel for schedule(dynamic) \
+    num_threads(settings.jobs > 0 ? settings.jobs : omp_get_max_threads())
+        for (Index k = 0; k < std::min(n, count); ++k) {
+            // With more samples than runs, every so many samples has one.
+            const BulkSample& sample = samples[static_cast<std::size_t>(k * n / std::min(n, count))];
+            const Eigen::MatrixXd mine = likely_points(sample, emulators.of(sample), ensemble.space(), each,
+                                                       run_seed(settings.seed, sample.row, design_stream));
+            for (Index j = 0; j < each; ++j)
+                if (const Index at = j * std::min(n, count) + k; at < count) points.row(at) = mine.row(j);
+        }
+    }
+    const PartTimer timer(study, "further training runs");
+    return ensemble.train_at(points);
+}
+
 FittedSample kept(const SampleFit& fit, std::size_t row) {
     FittedSample out;
     out.row = row;
@@ -56,11 +87,12 @@ FittedSample kept(const SampleFit& fit, std::size_t row) {
 /// Fits the samples that the journal does not hold, on all cores; what fails leaves its reason.
 class Fitting {
   public:
-    Fitting(const SharedEnsemble& ensemble, const Settings& settings, FitJournal& journal, BulkStudy& study)
-        : ensemble_(ensemble), settings_(settings), journal_(journal), study_(study) {}
+    Fitting(const Settings& settings, FitJournal& journal, BulkStudy& study)
+        : settings_(settings), journal_(journal), study_(study) {}
 
-    void run(const GroupEmulators& emulators, const std::vector<const BulkSample*>& todo,
-             std::size_t before) {
+    /// `method` gives the fit of a sample; throws std::runtime_error with the reason where there is none.
+    void run(const std::function<FittedSample(const BulkSample&)>& method,
+             const std::vector<const BulkSample*>& todo, std::size_t before) {
         ProgressOptions shown;
         shown.style = progress_style(settings_.quiet);
         Progress progress("fits", todo.size() + before, shown);
@@ -72,7 +104,7 @@ class Fitting {
         for (std::size_t k = 0; k < todo.size(); ++k) {
             if (stop.stop_requested()) continue;
             try {
-                fit(emulators, *todo[k]);
+                fit(method, *todo[k]);
             } catch (...) {
 #pragma omp critical
                 broken = std::current_exception();
@@ -86,12 +118,10 @@ class Fitting {
     }
 
   private:
-    void fit(const GroupEmulators& emulators, const BulkSample& sample) {
+    void fit(const std::function<FittedSample(const BulkSample&)>& method, const BulkSample& sample) {
         SampleOutcome& outcome = study_.samples[sample.row];
         try {
-            outcome.fit = kept(fit_sample(sample, emulators.of(sample), ensemble_.space(), settings_,
-                                          run_seed(settings_.seed, sample.row, fit_stream)),
-                               sample.row);
+            outcome.fit = method(sample);
         } catch (const std::runtime_error& error) {
             outcome.status = "failed";
             outcome.reason = error.what();
@@ -100,7 +130,6 @@ class Fitting {
         journal_.append(*outcome.fit);
     }
 
-    const SharedEnsemble& ensemble_;
     const Settings& settings_;
     FitJournal& journal_;
     BulkStudy& study_;
@@ -118,6 +147,14 @@ void fit_all(SharedEnsemble& ensemble, const Settings& settings, const std::vect
             study.samples[sample.row].fit = at->second;
     }
     if (todo.empty()) return;
+    Fitting fitting(settings, journal, study);
+    const std::size_t before = samples.size() - todo.size();
+    if (settings.method == "inverse-kriging") {
+        const PartTimer timer(study, "fits");
+        InverseKriging kriging(ensemble, study.training);
+        fitting.run([&](const BulkSample& sample) { return kriging.fit(sample); }, todo, before);
+        return;
+    }
     std::optional<GroupEmulators> emulators;
     {
         const PartTimer timer(study, "emulators");
@@ -125,7 +162,13 @@ void fit_all(SharedEnsemble& ensemble, const Settings& settings, const std::vect
     }
     for (const GroupEmulator& g : emulators->all()) study.emulators.push_back(g.description());
     const PartTimer timer(study, "fits");
-    Fitting(ensemble, settings, journal, study).run(*emulators, todo, samples.size() - todo.size());
+    fitting.run(
+        [&](const BulkSample& sample) {
+            return kept(fit_sample(sample, emulators->of(sample), ensemble.space(), settings,
+                                   run_seed(settings.seed, sample.row, fit_stream)),
+                        sample.row);
+        },
+        todo, before);
 }
 
 /// Rows to confirm: all, none, or N spread evenly over those that were fitted.
@@ -228,9 +271,12 @@ BulkStudy run_study(SharedEnsemble& ensemble, const lab_data::DataSet& set, cons
         outcome.status = "unreadable";
         outcome.reason = std::get<lab_data::UserError>(set.rows[row].test).what();
     }
+    const Index first = std::max<Index>({fewest_training_runs(static_cast<int>(ensemble.inputs())),
+                                         std::llround(first_share * settings.runs),
+                                         settings.method == "inverse-kriging" ? settings.runs : 0});
     {
         const PartTimer timer(study, "training runs");
-        study.training = ensemble.train();
+        study.training = ensemble.train(std::min<Index>(first, settings.runs));
     }
     std::vector<std::pair<std::size_t, std::string>> left_out;
     const std::vector<BulkSample> samples = bulk_samples(ensemble, set, settings, left_out);
@@ -239,6 +285,11 @@ BulkStudy run_study(SharedEnsemble& ensemble, const lab_data::DataSet& set, cons
         study.samples[row].reason = std::move(reason);
     }
     for (const BulkSample& sample : samples) study.samples[sample.row].sample = sample;
+    if (samples.empty()) throw std::runtime_error("no sample of the data set can be fitted");
+    if (settings.runs > first)
+        for (RunRecord& run :
+             further_runs(ensemble, settings, study.training, samples, settings.runs - first, study))
+            study.training.push_back(std::move(run));
     fit_all(ensemble, settings, samples, folder, study);
     confirm(ensemble, settings, study);
     for (SampleOutcome& outcome : study.samples) judge(outcome, ensemble.space());
