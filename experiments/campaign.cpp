@@ -57,8 +57,17 @@ std::vector<CampaignTest> select_tests(const Settings& settings, const lab_data:
     return out;
 }
 
+/// What two options add to the header.
+void add_options(const CampaignOptions& options, EnsembleHeader& header) {
+    if (options.void_ratio)
+        header.parameters.push_back(
+            {"initial_void_ratio", "", options.void_ratio->first, options.void_ratio->second});
+    if (options.keep_partial) header.outputs.push_back({"", "stages_reached", "", "", "", 0});
+}
+
 EnsembleHeader make_header(const Settings& settings, const ParameterSpace& space,
-                           const std::vector<CampaignTest>& tests, double grain_density) {
+                           const std::vector<CampaignTest>& tests, double grain_density,
+                           const CampaignOptions& options) {
     EnsembleHeader header;
     header.campaign_seed = settings.seed;
     for (std::size_t p = 0; p < space.parameters.size(); ++p) {
@@ -72,6 +81,7 @@ EnsembleHeader make_header(const Settings& settings, const ParameterSpace& space
     }
     for (const CampaignTest& test : tests)
         for (const OutputColumn& column : test.kind->outputs(*test.test)) header.outputs.push_back(column);
+    add_options(options, header);
     header.diagnostics = {{"inertial_number", ""}, {"unbalanced_ratio", ""}, {"servo_error", ""},
                           {"overlap", ""},         {"energy_error", ""},     {"steps", ""},
                           {"porosity", ""}};
@@ -87,6 +97,7 @@ EnsembleHeader make_header(const Settings& settings, const ParameterSpace& space
     a["density_scaling"] = settings.engine.density_scaling ? "true" : "false";
     a["time_step_safety"] = fmt::format("{}", settings.engine.time_step_safety);
     a["inertial_number"] = fmt::format("{}", settings.engine.inertial_number);
+    a["haste"] = fmt::format("{}", settings.engine.haste);
     a["fragile"] = settings.engine.fragile ? "true" : "false";
     a["interaction_range"] = fmt::format("{}", settings.engine.interaction_range);
     for (const CampaignTest& test : tests)
@@ -94,30 +105,49 @@ EnsembleHeader make_header(const Settings& settings, const ParameterSpace& space
     return header;
 }
 
+/// Makes a result of the stages that a run reached, if it was sound up to there; returns their number.
+double keep_reached(VirtualTestResult& result) {
+    Eigen::Index reached = 0;
+    while (reached < result.outputs.size() && std::isfinite(result.outputs[reached])) ++reached;
+    if (!result.stopped_early || reached == 0) return static_cast<double>(reached);
+    result.outputs.tail(result.outputs.size() - reached).setConstant(result.outputs[reached - 1]);
+    result.ok =
+        result.unbalanced_ratio <= largest_unbalanced_ratio && result.servo_error <= largest_servo_error;
+    return static_cast<double>(reached);
+}
+
 }  // namespace
 
 Campaign::Campaign(const Settings& settings, const lab_data::Sample& sample,
-                   const std::filesystem::path& folder, RunLog* log)
+                   const std::filesystem::path& folder, RunLog* log, const CampaignOptions& options)
     : settings_(settings),
+      options_(options),
       space_(parameter_space(settings)),
       tests_(select_tests(settings, sample, warnings_)),
       grain_density_(settings.specimen.grain_density_kg_m3.value_or(
           sample.grain_density > 0 ? sample.grain_density : 2600.0)),
       measured_(sample.measured),
       specimens_(settings_),
-      store_(folder, make_header(settings, space_, tests_, grain_density_)),
+      store_(folder, make_header(settings, space_, tests_, grain_density_, options)),
       log_(log) {
     for (const CampaignTest& test : tests_) outputs_ += static_cast<Eigen::Index>(test.readings.size());
     if (!settings.packing.empty()) given_packing_ = load_packing(settings.packing);
 }
 
+double Campaign::porosity_of(const CampaignTest& test, const RunSpec& spec) const {
+    if (!options_.void_ratio) return test.porosity;
+    const double void_ratio = spec.parameters[spec.parameters.size() - 1];
+    return void_ratio / (1 + void_ratio);
+}
+
 engine::Packing Campaign::packing_of(const CampaignTest& test, const RunSpec& spec, const StopToken& stop) {
     if (given_packing_) return *given_packing_;
-    return specimens_.get(test.porosity, spec.particles, spec.packing_seed, stop)->packing;
+    return specimens_.get(porosity_of(test, spec), spec.particles, spec.packing_seed, stop)->packing;
 }
 
 std::shared_ptr<const engine::PackingResult> Campaign::specimen(const RunSpec& spec) {
-    return specimens_.get(tests_.front().porosity, spec.particles, spec.packing_seed, SignalScope::token());
+    return specimens_.get(porosity_of(tests_.front(), spec), spec.particles, spec.packing_seed,
+                          SignalScope::token());
 }
 
 engine::Packing Campaign::packing(const RunSpec& spec) {
@@ -126,7 +156,7 @@ engine::Packing Campaign::packing(const RunSpec& spec) {
 
 RunRecord Campaign::simulate(const RunSpec& spec, const StopToken& stop) {
     RunRecord record;
-    record.outputs.resize(outputs_);
+    record.outputs.resize(outputs_ + (options_.keep_partial ? 1 : 0));
     record.diagnostics = Eigen::VectorXd::Zero(diagnostic_count);
     record.ok = true;
     for (const CampaignTest& test : tests_) {
@@ -155,6 +185,7 @@ RunRecord Campaign::simulate(const RunSpec& spec, const StopToken& stop) {
             result.reason =
                 fmt::format("the seating stress was missed by {:.1f} %", 100 * result.servo_error);
         }
+        if (options_.keep_partial) record.outputs[outputs_] = keep_reached(result);
         if (!result.ok) {
             record.ok = false;
             record.reason = fmt::format("{}: {}", test.test->file, result.reason);

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "experiments/ensemble/ensemble.hpp"
@@ -38,12 +40,21 @@ enum Diagnostic : Eigen::Index {
     diagnostic_count
 };
 
+struct CampaignOptions {
+    /// Bounds of the specimens' initial void ratio where it differs from run to run: it is then a run's last
+    /// parameter, after the law's. Empty: specimens are made as each test says.
+    std::optional<std::pair<double, double>> void_ratio{};
+    /// A run that ends early (too large a strain, say) is kept with the stages it reached: their number is a
+    /// further output, the last, and the outputs not reached hold the number before them.
+    bool keep_partial = false;
+};
+
 class Campaign {
   public:
     /// `folder` holds the store; `log` may be null. The sample must outlive the campaign. Throws UserError
     /// where no test of the sample can be simulated, and what the store throws.
     Campaign(const Settings& settings, const lab_data::Sample& sample, const std::filesystem::path& folder,
-             RunLog* log);
+             RunLog* log, const CampaignOptions& options = {});
 
     const Settings& settings() const { return settings_; }
     const ParameterSpace& space() const { return space_; }
@@ -66,9 +77,11 @@ class Campaign {
 
   private:
     RunRecord simulate(const RunSpec& spec, const StopToken& stop);
+    double porosity_of(const CampaignTest& test, const RunSpec& spec) const;
     engine::Packing packing_of(const CampaignTest& test, const RunSpec& spec, const StopToken& stop);
 
     Settings settings_;
+    CampaignOptions options_;
     ParameterSpace space_;
     std::vector<CampaignTest> tests_;
     Eigen::Index outputs_ = 0;

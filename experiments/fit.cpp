@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "experiments/ensemble/run_seed.hpp"
+#include "experiments/likelihood_terms.hpp"
 #include "experiments/settings/validation.hpp"
 #include "optimizers/least_squares.hpp"
 #include "optimizers/registry.hpp"
@@ -22,37 +23,18 @@ using Eigen::VectorXd;
 
 constexpr double identified_below = 0.75;  // posterior over prior width
 
-/// What the model cannot follow, as a standard deviation of every reading (strain): a few 1e-4 where it
-/// follows well, up to several percent where it does not.
-const surrogate::Prior misfit_prior{surrogate::PriorKind::lognormal, -3.5, 0.5, 2e-5, 0.05};
-
 class Likelihood {
   public:
     Likelihood(const TrainedEmulator& trained, const ParameterSpace& space, const Observation& observation)
         : trained_(trained), space_(space), observation_(observation) {
         const Index m = observation.measured.size();
         target_.resize(m);
-        slope_.resize(m);
-        for (Index k = 0; k < m; ++k) {
-            target_[k] = trained.transform.forward(observation.measured[k]);
-            slope_[k] = trained.transform.derivative(std::max(observation.measured[k], 0.0));
-        }
+        for (Index k = 0; k < m; ++k) target_[k] = trained.transform.forward(observation.measured[k]);
     }
 
     Index parameters() const { return space_.dimension(); }
     Index dimension() const { return parameters() + 1; }
     double misfit(const VectorXd& theta) const { return misfit_prior.from_unit(theta[parameters()]); }
-
-    VectorXd measurement_variance(double misfit) const {
-        VectorXd out(target_.size());
-        for (Index k = 0; k < out.size(); ++k) {
-            const double y = observation_.measured[k];
-            const double sd = observation_.sd ? (*observation_.sd)[k]
-                                              : std::hypot(observation_.floor, observation_.relative * y);
-            out[k] = (sd * sd + misfit * misfit) * slope_[k] * slope_[k];
-        }
-        return out;
-    }
 
     MatrixXd covariance(const VectorXd& theta, double* emulator_variance = nullptr,
                         VectorXd* mean = nullptr) const {
@@ -60,7 +42,7 @@ class Likelihood {
         if (emulator_variance) *emulator_variance = at.emulator_covariance.trace();
         if (mean) *mean = at.mean + large_specimen(at.noise_covariance);
         MatrixXd c = at.emulator_covariance + observation_.packing_share * at.noise_covariance;
-        c.diagonal() += measurement_variance(misfit(theta));
+        c.diagonal() += reading_variance(observation_, trained_.transform, misfit(theta));
         return c;
     }
 
@@ -99,21 +81,14 @@ class Likelihood {
             jacobian->setZero(m + d, d);
             jacobian->topRows(m) = -factor.matrixL().solve(slope);
         }
-        for (Index k = 0; k < d; ++k) {
-            // A truncated normal's log density has the derivative (mean - x) / sd²; a uniform's is zero.
-            const double at0 = space_.prior(k).log_density_derivative_unit(0);
-            const double curvature = at0 - space_.prior(k).log_density_derivative_unit(1);
-            const double root = std::sqrt(std::max(curvature, 0.0));
-            out[m + k] = curvature > 0 ? root * (x[k] - at0 / curvature) : 0.0;
-            if (jacobian) (*jacobian)(m + k, k) = root;
-        }
+        prior_residuals(space_, x, m, out, jacobian);
     }
 
   private:
     const TrainedEmulator& trained_;
     const ParameterSpace& space_;
     const Observation& observation_;
-    VectorXd target_, slope_;
+    VectorXd target_;
 };
 
 /// Refines the estimate by least squares with the covariance held at it; keeps whichever is more probable.

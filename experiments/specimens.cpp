@@ -25,6 +25,11 @@ std::shared_ptr<const engine::PackingResult> SpecimenPool::get(double porosity, 
         if (inserted) at->second = promise.get_future().share();
         mine = inserted;
         future = at->second;
+        if (inserted) order_.push_back(key);
+        if (order_.size() > most_kept) {
+            made_.erase(order_.front());
+            order_.pop_front();
+        }
     }
     if (!mine) return future.get();
     try {

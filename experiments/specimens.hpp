@@ -1,6 +1,7 @@
 // Specimens: packings made once for each porosity, size and seed, however many runs and threads ask for them.
 #pragma once
 
+#include <deque>
 #include <future>
 #include <map>
 #include <memory>
@@ -35,9 +36,12 @@ class SpecimenPool {
     };
     using Packing = std::shared_ptr<const engine::PackingResult>;
 
+    static constexpr std::size_t most_kept = 1024;
+
     const Settings& settings_;
     std::mutex mutex_;
     std::map<Key, std::shared_future<Packing>> made_;
+    std::deque<Key> order_;  // of being made: beyond most_kept the oldest is forgotten
 };
 
 /// The packing of a file (lab_data/packing_file.hpp), for the engine. Throws UserError.

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace loam::optimizers {
 
@@ -120,6 +121,11 @@ TMixture::TMixture(const Matrix& points, int most, Random& random) {
         white_means_.segment(c * k, k) = inverse * part.mean;
         log_factors_(c) = std::log(part.weight) - log_determinant(part.root);
     }
+}
+
+double TMixture::log_constant(Eigen::Index dimension) {
+    const double nu = degrees_of_freedom, k = static_cast<double>(dimension);
+    return std::lgamma(0.5 * (nu + k)) - std::lgamma(0.5 * nu) - 0.5 * k * std::log(nu * std::numbers::pi);
 }
 
 double TMixture::log_density(const Vector& point) const {

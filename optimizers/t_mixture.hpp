@@ -18,8 +18,9 @@ class TMixture {
     /// Schwarz's (1978) criterion, and small enough to leave each component 4 (k + 1) points on average.
     TMixture(const Matrix& points, int most, Random& random);
 
-    /// Up to a constant that is the same at every point.
+    /// Up to log_constant(), which is the same at every point and for every mixture of that dimension.
     double log_density(const Vector& point) const;
+    static double log_constant(Eigen::Index dimension);
     Vector draw(Random& random) const;
 
   private:

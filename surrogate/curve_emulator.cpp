@@ -201,6 +201,13 @@ ComponentPrediction CurveEmulator::predict_components(const Eigen::Ref<const Vec
     return prediction;
 }
 
+void CurveEmulator::predict_components(const MatrixXd& points, MatrixXd& mean, MatrixXd& variance) const {
+    mean.resize(points.rows(), components());
+    variance.resize(points.rows(), components());
+    for (Index j = 0; j < components(); ++j)
+        processes_[static_cast<std::size_t>(j)].predict_many(points, mean.col(j), variance.col(j));
+}
+
 CurvePrediction CurveEmulator::predict(const Eigen::Ref<const VectorXd>& x) const {
     const ComponentPrediction scores = predict_components(x);
     return {.mean = offset() + loadings() * scores.mean,

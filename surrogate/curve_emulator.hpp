@@ -83,6 +83,10 @@ class CurveEmulator {
     ComponentPrediction predict_components(const Eigen::Ref<const Eigen::VectorXd>& x,
                                            bool gradients = false) const;
 
+    /// Means and variances [k x q] of the components at the rows of points [k x d].
+    void predict_components(const Eigen::MatrixXd& points, Eigen::MatrixXd& mean,
+                            Eigen::MatrixXd& variance) const;
+
     const Eigen::VectorXd& offset() const { return basis_.offset; }              ///< [m]
     auto loadings() const { return basis_.from_scores.leftCols(components()); }  ///< [m x q]
     Eigen::Index components() const { return static_cast<Eigen::Index>(processes_.size()); }

@@ -134,6 +134,17 @@ GaussianProcessPrediction GaussianProcess::predict(const Eigen::Ref<const Vector
     return prediction;
 }
 
+void GaussianProcess::predict_many(const MatrixXd& points, Eigen::Ref<VectorXd> mean,
+                                   Eigen::Ref<VectorXd> variance) const {
+    MatrixXd k(covariance_->size(), points.rows());
+    for (Index p = 0; p < points.rows(); ++p) k.col(p) = covariance_->vector(points.row(p).transpose());
+    mean = (k.transpose() * system_.alpha).array() + (centre_ + system_.mean);
+    const VectorXd explained = lower_products(system_.inverse_factor, k).colwise().squaredNorm().transpose();
+    const VectorXd open = (1 - (k.transpose() * system_.ones).array()).matrix();
+    variance = (covariance_->variance() - explained.array() + open.array().square() / system_.mean_precision)
+                   .max(0.0);
+}
+
 double GaussianProcess::predict_mean(const Eigen::Ref<const VectorXd>& x, VectorXd* gradient) const {
     MatrixXd jacobian;
     const VectorXd k = covariance_->vector(x, gradient ? &jacobian : nullptr);

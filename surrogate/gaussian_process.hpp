@@ -46,6 +46,10 @@ class GaussianProcess {
     /// Prediction at x [d] (Rasmussen & Williams 2006, eqs 2.25, 2.26, and 2.42 for the unknown constant).
     GaussianProcessPrediction predict(const Eigen::Ref<const Eigen::VectorXd>& x,
                                       bool gradients = false) const;
+    /// Means and variances [k] at the rows of points [k x d]: as predict(), up to rounding, several times
+    /// faster.
+    void predict_many(const Eigen::MatrixXd& points, Eigen::Ref<Eigen::VectorXd> mean,
+                      Eigen::Ref<Eigen::VectorXd> variance) const;
     /// The mean alone, several times faster; its gradient [d] if gradient != nullptr.
     double predict_mean(const Eigen::Ref<const Eigen::VectorXd>& x,
                         Eigen::VectorXd* gradient = nullptr) const;

@@ -37,6 +37,13 @@ Eigen::VectorXd lower_product(const Eigen::MatrixXd& lower, const Eigen::VectorX
     return multiply(lower, false, vector);
 }
 
+Eigen::MatrixXd lower_products(const Eigen::MatrixXd& lower, const Eigen::MatrixXd& vectors) {
+    Eigen::MatrixXd products(vectors.rows(), vectors.cols());
+    functions().multiply_many(static_cast<int>(lower.rows()), lower.data(), static_cast<int>(vectors.cols()),
+                              vectors.data(), products.data());
+    return products;
+}
+
 Eigen::VectorXd transposed_lower_product(const Eigen::MatrixXd& lower, const Eigen::VectorXd& vector) {
     return multiply(lower, true, vector);
 }

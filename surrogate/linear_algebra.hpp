@@ -22,4 +22,8 @@ void gram(const Eigen::MatrixXd& lower, Eigen::MatrixXd& product);
 Eigen::VectorXd lower_product(const Eigen::MatrixXd& lower, const Eigen::VectorXd& vector);
 Eigen::VectorXd transposed_lower_product(const Eigen::MatrixXd& lower, const Eigen::VectorXd& vector);
 
+/// X V [n x k] for a lower triangular X [n x n] with its zeros and V [n x k], at several times the speed of k
+/// products.
+Eigen::MatrixXd lower_products(const Eigen::MatrixXd& lower, const Eigen::MatrixXd& vectors);
+
 }  // namespace loam::surrogate

@@ -3,6 +3,7 @@
 #include <array>
 
 #include "experiments/workflows/bench.hpp"
+#include "experiments/workflows/bulk.hpp"
 #include "experiments/workflows/calibrate.hpp"
 #include "experiments/workflows/check.hpp"
 #include "experiments/workflows/effects.hpp"
@@ -29,6 +30,8 @@ const std::array table{
          run_simulate},
     Verb{"calibrate", "fit one sample's contact parameters to its measured curves", "SAMPLE", "folder of the sample",
          "loam calibrate lab_data/sets/dobrany_sand --tests oedometer", run_calibrate},
+    Verb{"bulk", "calibrate every sample of a data set from one shared ensemble", "DATASET", "folder of the data set",
+         "loam bulk lab_data/sets/flanders_twin_125", run_bulk},
     Verb{"report", "write the report of a run again", "RUN", "folder of the run",
          "loam report runs/calibrate-dobrany-sand", run_report},
     Verb{"effects", "list laws and effects with parameters, units, bounds, sources", "", "",

@@ -42,7 +42,11 @@ OedometerOptions oedometer_options(const Settings& settings, const lab_data::Tes
     options.seating_stress = lab_data::seating_stress(test);
     options.isotropic_stress =
         std::min(1000 * settings.specimen.preparation_stress_kPa, options.seating_stress);
-    options.inertial_number = options.hold.inertial_number = settings.engine.inertial_number;
+    const double haste = settings.engine.haste;
+    options.inertial_number = options.hold.inertial_number = haste * settings.engine.inertial_number;
+    options.stress_change *= haste;
+    options.strain_per_step *= haste;
+    options.least_strain_per_step *= haste;
     if (settings.packing.empty()) options.seating_stiffness = 2e4;
     for (const std::size_t k : oedometer_readings(test))
         options.stages.push_back(test.column("axial_stress")[k]);
@@ -85,7 +89,8 @@ VirtualTestResult run_measured_oedometer(const engine::Packing& packing, const e
     VirtualTestResult result;
     result.ok = run.complete;
     result.reason = run.reason;
-    if (run.complete) result.outputs = run.strain;
+    result.outputs = run.strain;
+    result.stopped_early = !run.complete;
     result.inertial_number = run.largest_inertial_number;
     result.unbalanced_ratio = run.mean_unbalanced_ratio;
     result.servo_error = run.seating_error;

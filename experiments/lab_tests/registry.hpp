@@ -18,6 +18,7 @@ namespace loam::experiments {
 struct VirtualTestResult {
     bool ok = false;
     std::string reason;           // why not
+    bool stopped_early = false;   // after some stages: their outputs are there, the others NaN
     Eigen::VectorXd outputs;      // [readings used], SI
     double inertial_number = 0;   // largest
     double unbalanced_ratio = 0;  // mean during loading

@@ -26,7 +26,7 @@ constexpr Limits count(double least, double most = 1e6) {
 }
 
 Names verbs_with_settings() {
-    return {"simulate", "calibrate", "bench"};
+    return {"simulate", "calibrate", "bulk", "bench"};
 }
 Names rotations() {
     return {"blocked", "free"};
@@ -35,6 +35,12 @@ Names code_names() {
     Names names;
     for (const OtherCode& code : other_codes()) names.push_back(code.name);
     return names;
+}
+Names methods() {
+    return {"emulator", "inverse-kriging"};
+}
+Names three_ways() {
+    return {"auto", "on", "off"};
 }
 Names designs() {
     return {"latin-hypercube", "sobol"};
@@ -107,6 +113,10 @@ const std::array table{
           "particles in a specimen", count(100, 2e6), nullptr, "N"},
     Field{"", "runs", [](Settings& s) -> Slot { return &s.runs; },
           "simulations in the first design", count(1), nullptr, "N"},
+    Field{"", "method", [](Settings& s) -> Slot { return &s.method; },
+          "of the verb bulk: how parameters are found", {}, methods, "emulator|inverse-kriging"},
+    Field{"", "confirm", [](Settings& s) -> Slot { return &s.confirm; },
+          "of the verb bulk: samples whose estimate is confirmed by direct runs", {}, nullptr, "all|N|none", Resuming::may_differ},
     Field{"", "inputs_digest", [](Settings& s) -> Slot { return &s.inputs_digest; },
           "of the sample's files and the packing; worked out anew for each run"},
 
@@ -118,6 +128,8 @@ const std::array table{
           "time step over the critical (p-wave) one, 1", up_to_one},
     Field{"engine", "inertial_number", [](Settings& s) -> Slot { return &s.engine.inertial_number; },
           "target while loading, 1: sets the strain rate", {.lower = 0, .upper = 0.1, .open_lower = true}},
+    Field{"engine", "haste", [](Settings& s) -> Slot { return &s.engine.haste; },
+          "rates of loading over the careful ones, 1 (default for bulk: 3)", {.lower = 0.1, .upper = 10}},
     Field{"engine", "fragile", [](Settings& s) -> Slot { return &s.engine.fragile; },
           "a cohesive bond, once broken, does not heal"},
     Field{"engine", "interaction_range", [](Settings& s) -> Slot { return &s.engine.interaction_range; },
@@ -150,6 +162,14 @@ const std::array table{
           "kept draws of the posterior", count(100, 1e7)},
     Field{"calibration", "specimen_particles", [](Settings& s) -> Slot { return &s.calibration.specimen_particles; },
           "particles in the measured specimen, whose scatter they set; 0: countless if measured, as the runs if synthetic", count(0, 1e12)},
+    Field{"bulk", "void_ratio", [](Settings& s) -> Slot { return &s.bulk.void_ratio; },
+          "initial void ratio of each sample as an input of the emulator; auto: where packings can reach it", {}, three_ways},
+    Field{"bulk", "stages", [](Settings& s) -> Slot { return &s.bulk.stages; },
+          "most stages of the shared ensemble; samples' own are interpolated if there are more", count(4, 40)},
+    Field{"bulk", "confirmation_packings", [](Settings& s) -> Slot { return &s.bulk.confirmation_packings; },
+          "fresh packings for each sample's direct runs at the estimate", count(1)},
+    Field{"bulk", "posterior_draws", [](Settings& s) -> Slot { return &s.bulk.posterior_draws; },
+          "draws in the last round of each sample's posterior", count(100, 1e6)},
 };
 // clang-format on
 

@@ -17,6 +17,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr int bulk_runs = 959;    // as De Pue et al. 2019
+constexpr double bulk_haste = 3;  // changes strains by less than packings scatter
+
 /// FNV-1a (Fowler, Noll, Vo), 64 bits.
 class Fingerprint {
   public:
@@ -36,6 +39,19 @@ std::string as_file_name(std::string name) {
     for (char& c : name)
         if (!std::isalnum(static_cast<unsigned char>(c)) && c != '.' && c != '_') c = '-';
     return name;
+}
+
+/// Adds the folder's own .toml and .csv files and those that are named.
+void add_files(Fingerprint& fingerprint, const fs::path& folder, std::vector<fs::path> files) {
+    for (const auto& entry : fs::directory_iterator(folder))
+        if (entry.path().extension() == ".toml" || entry.path().extension() == ".csv")
+            files.push_back(entry.path());
+    std::ranges::sort(files);
+    files.erase(std::unique(files.begin(), files.end()), files.end());
+    for (const fs::path& file : files) {
+        fingerprint.add(file.lexically_relative(folder).string());
+        fingerprint.add(read_whole_file(file));
+    }
 }
 
 /// Replaces each file that is held out by its name in the sample.
@@ -93,22 +109,61 @@ void check_tests(const Draft& draft, const lab_data::Sample& sample) {
         throw fault_at(origin_of(draft.origins, "hold_out"), "", "leaves no test to fit", "hold out fewer");
 }
 
+/// Reads the sample, checks what is asked of it, and returns its name.
+std::string resolve_sample(Draft& draft) {
+    Settings& settings = draft.settings;
+    // Read by the path as the user wrote it, so that the messages show that.
+    lab_data::Sample sample = lab_data::read_sample(settings.sample);
+    sample.folder = fs::absolute(sample.folder).lexically_normal();
+    settings.sample = fs::weakly_canonical(settings.sample);
+    if (!settings.packing.empty()) settings.packing = fs::weakly_canonical(settings.packing);
+    resolve_hold_out(draft, sample);
+    check_tests(draft, sample);
+    settings.inputs_digest = digest_of_inputs(sample, settings.packing);
+    return sample.name;
+}
+
+/// Likewise a data set; one ensemble for all its samples is larger, and is run faster, than one sample's.
+std::string resolve_data_set(Draft& draft) {
+    Settings& settings = draft.settings;
+    lab_data::DataSet set = lab_data::read_data_set(settings.sample);
+    if (set.kind != lab_data::TestKind::oedometer)
+        throw fault_at({.name = "sample"}, settings.sample.string(),
+                       fmt::format("holds tests of kind {}", to_string(set.kind)),
+                       "loam bulk calibrates data sets of kind oedometer");
+    for (const auto& [is_given, option] :
+         {std::pair{!settings.packing.empty(), "packing"}, std::pair{!settings.hold_out.empty(), "hold_out"}})
+        if (is_given)
+            throw fault_at(origin_of(draft.origins, option), "", "has no meaning for a data set",
+                           "leave it out");
+    set.folder = fs::absolute(set.folder).lexically_normal();
+    settings.sample = fs::weakly_canonical(settings.sample);
+    settings.inputs_digest = digest_of_inputs(set);
+    if (!draft.origins.contains("runs")) settings.runs = bulk_runs;
+    if (!draft.origins.contains("engine.haste")) settings.engine.haste = bulk_haste;
+    return set.name;
+}
+
 }  // namespace
 
 std::string digest_of_inputs(const lab_data::Sample& sample, const fs::path& packing) {
     std::vector<fs::path> files;
-    for (const auto& entry : fs::directory_iterator(sample.folder))
-        if (entry.path().extension() == ".toml" || entry.path().extension() == ".csv")
-            files.push_back(entry.path());
     for (const lab_data::Test& test : sample.tests) files.push_back(sample.folder / test.file);
-    std::ranges::sort(files);
-    files.erase(std::unique(files.begin(), files.end()), files.end());
     Fingerprint fingerprint;
-    for (const fs::path& file : files) {
-        fingerprint.add(file.lexically_relative(sample.folder).string());
-        fingerprint.add(read_whole_file(file));
-    }
+    add_files(fingerprint, sample.folder, std::move(files));
     if (!packing.empty()) fingerprint.add(read_whole_file(packing));
+    return fingerprint.text();
+}
+
+std::string digest_of_inputs(const lab_data::DataSet& set) {
+    std::vector<fs::path> files;
+    // A curve that cannot be read is reported with its sample; here only that it is so counts.
+    std::error_code error;
+    for (const lab_data::DataSetRow& row : set.rows)
+        if (row.readable() || fs::is_regular_file(set.folder / row.file, error))
+            files.push_back(set.folder / row.file);
+    Fingerprint fingerprint;
+    add_files(fingerprint, set.folder, std::move(files));
     return fingerprint.text();
 }
 
@@ -117,18 +172,10 @@ void resolve_inputs(Draft& draft) {
     std::string name = settings.benchmark;
     if (settings.verb != "bench") {
         if (settings.sample.empty())
-            throw fault_at({.name = "sample"}, "", "is missing",
-                           fmt::format("name a sample's folder, as in: loam {} lab_data/sets/dobrany_sand",
-                                       settings.verb));
-        // Read by the path as the user wrote it, so that the messages show that.
-        lab_data::Sample sample = lab_data::read_sample(settings.sample);
-        sample.folder = fs::absolute(sample.folder).lexically_normal();
-        settings.sample = fs::weakly_canonical(settings.sample);
-        if (!settings.packing.empty()) settings.packing = fs::weakly_canonical(settings.packing);
-        resolve_hold_out(draft, sample);
-        check_tests(draft, sample);
-        settings.inputs_digest = digest_of_inputs(sample, settings.packing);
-        name = sample.name;
+            throw fault_at({.name = settings.verb == "bulk" ? "dataset" : "sample"}, "", "is missing",
+                           fmt::format("name its folder, as in: loam {} lab_data/sets/{}", settings.verb,
+                                       settings.verb == "bulk" ? "flanders_twin_125" : "dobrany_sand"));
+        name = settings.verb == "bulk" ? resolve_data_set(draft) : resolve_sample(draft);
     }
     if (settings.out.empty()) settings.out = fs::path("runs") / as_file_name(settings.verb + "-" + name);
     settings.out = fs::weakly_canonical(fs::absolute(settings.out));

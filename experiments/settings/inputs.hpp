@@ -5,7 +5,7 @@
 #include <string>
 
 #include "experiments/settings/reading.hpp"
-#include "lab_data/sample.hpp"
+#include "lab_data/data_set.hpp"
 
 namespace loam::experiments {
 
@@ -14,8 +14,11 @@ namespace loam::experiments {
 /// read.
 std::string digest_of_inputs(const lab_data::Sample& sample, const std::filesystem::path& packing);
 
-/// Reads the sample that the draft names, checks hold_out and tests against it, and fills in what follows
-/// from it: absolute paths, the digest, and `out` if it is not stated. Throws UserError.
+/// Likewise of a data set; of a curve that is missing only that it is.
+std::string digest_of_inputs(const lab_data::DataSet& set);
+
+/// Reads the sample or data set that the draft names, checks hold_out and tests against it, and fills in what
+/// follows from it: absolute paths, the digest, and `out` if it is not stated. Throws UserError.
 void resolve_inputs(Draft& draft);
 
 }  // namespace loam::experiments

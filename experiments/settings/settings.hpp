@@ -32,6 +32,7 @@ struct EngineSettings {
     bool density_scaling = true;      // small particles as heavy as the mean one's time step demands
     double time_step_safety = 0.85;   // fraction of the critical (p-wave) time step
     double inertial_number = 3.5e-4;  // target while loading: sets the strain rate
+    double haste = 1;                 // rates of loading over the careful ones
     bool fragile = true;              // a cohesive bond, once broken, does not heal
     double interaction_range = 1.5;   // of the sum of radii: reach of a cohesive bond
     bool operator==(const EngineSettings&) const = default;
@@ -61,6 +62,15 @@ struct CalibrationSettings {
     bool operator==(const CalibrationSettings&) const = default;
 };
 
+/// How a data set's samples are calibrated from one ensemble (verb bulk).
+struct BulkSettings {
+    std::string void_ratio = "auto";  // as an input of the emulator: auto | on | off
+    int stages = 12;                  // most stages of the shared ensemble
+    int confirmation_packings = 4;    // fresh packings for each sample's direct runs
+    int posterior_draws = 600;        // in the last round of sampling each posterior
+    bool operator==(const BulkSettings&) const = default;
+};
+
 struct Settings {
     std::string verb;
     std::string benchmark;              // of the verb bench
@@ -79,6 +89,8 @@ struct Settings {
     std::vector<std::string> effects;
     int particles = 700;
     int runs = 120;
+    std::string method = "emulator";  // of the verb bulk: emulator | inverse-kriging
+    std::string confirm = "all";  // of the verb bulk: samples confirmed by direct runs: all | none | a number
     std::string
         inputs_digest;  // of the sample's files and the packing, so that a resumed run meets the same data
     std::map<std::string, double> set;    // parameters held fixed, SI
@@ -86,6 +98,7 @@ struct Settings {
     EngineSettings engine;
     SpecimenSettings specimen;
     CalibrationSettings calibration;
+    BulkSettings bulk;
     bool operator==(const Settings&) const = default;
 };
 

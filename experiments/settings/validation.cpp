@@ -50,6 +50,14 @@ struct CheckSlot {
     }
 };
 
+bool is_count(const std::string& text) {
+    return !text.empty() && text.size() < 10 && text.find_first_not_of("0123456789") == std::string::npos;
+}
+
+bool is_fitting(const Settings& settings) {
+    return settings.verb == "calibrate" || settings.verb == "bulk";
+}
+
 }  // namespace
 
 Origin origin_of(const Origins& origins, std::string_view path) {
@@ -65,8 +73,10 @@ void validate(const Settings& settings, const Origins& origins) {
     }
     check_effects(settings, origins);
     check_parameters(settings, origins);
+    if (const std::string& n = settings.confirm; n != "all" && n != "none" && !is_count(n))
+        throw fault_at(origin_of(origins, "confirm"), n, "must be all, none or a number of samples", "");
     const int fewest = fewest_training_runs(static_cast<int>(settings.priors.size()));
-    if (settings.verb == "calibrate" && settings.runs < fewest)
+    if (is_fitting(settings) && settings.runs < fewest)
         throw fault_at(
             origin_of(origins, "runs"), fmt::format("{}", settings.runs),
             fmt::format("must be at least {} to fit {} parameters", fewest, settings.priors.size()),

@@ -19,14 +19,6 @@ namespace {
 
 using nlohmann::json;
 
-json parameters_result(const std::vector<ParameterSummary>& parameters) {
-    json out = json::object();
-    for (const ParameterSummary& p : parameters)
-        out[p.name] = {{"unit", p.unit}, {"estimate", p.estimate},     {"q05", p.q05},    {"q50", p.q50},
-                       {"q95", p.q95},   {"identified", p.identified}, {"fixed", p.fixed}};
-    return out;
-}
-
 std::string table(const std::vector<ParameterSummary>& parameters, const json& result,
                   const std::string& report) {
     std::string text =

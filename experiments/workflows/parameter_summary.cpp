@@ -6,9 +6,23 @@
 
 namespace loam::experiments {
 
+Eigen::MatrixXd quantiles_of(const Eigen::MatrixXd& draws) {
+    Eigen::MatrixXd out(draws.cols(), 3);
+    for (Eigen::Index k = 0; k < draws.cols(); ++k) {
+        const Eigen::VectorXd column = draws.col(k);
+        const std::vector<double> values(column.begin(), column.end());
+        out.row(k) << quantile(values, 0.05), quantile(values, 0.5), quantile(values, 0.95);
+    }
+    return out;
+}
+
 std::vector<ParameterSummary> summarise(const Campaign& campaign, const Fit& fit) {
-    const ParameterSpace& space = campaign.space();
-    const Eigen::VectorXd physical = space.physical(fit.estimate);
+    return summarise(campaign.space(), fit.estimate, quantiles_of(fit.posterior.draws));
+}
+
+std::vector<ParameterSummary> summarise(const ParameterSpace& space, const Eigen::VectorXd& estimate,
+                                        const Eigen::MatrixXd& quantiles) {
+    const Eigen::VectorXd physical = space.physical(estimate);
     std::vector<ParameterSummary> out;
     for (std::size_t p = 0; p < space.parameters.size(); ++p) {
         const engine::ParameterInfo& info = space.parameters[p];
@@ -20,12 +34,10 @@ std::vector<ParameterSummary> summarise(const Campaign& campaign, const Fit& fit
         for (Eigen::Index k = 0; k < space.dimension(); ++k) {
             if (space.fitted[static_cast<std::size_t>(k)] != p) continue;
             const surrogate::Prior& prior = space.prior(k);
-            const Eigen::VectorXd column = fit.posterior.draws.col(k);
-            const std::vector<double> draws(column.begin(), column.end());
-            const double low = quantile(draws, 0.05), high = quantile(draws, 0.95);
+            const double low = quantiles(k, 0), high = quantiles(k, 2);
             const double prior_low = prior.quantile_unit(0.05), prior_high = prior.quantile_unit(0.95);
             s.q05 = prior.from_unit(low);
-            s.q50 = prior.from_unit(quantile(draws, 0.5));
+            s.q50 = prior.from_unit(quantiles(k, 1));
             s.q95 = prior.from_unit(high);
             s.prior_q05 = prior.from_unit(prior_low);
             s.prior_q95 = prior.from_unit(prior_high);

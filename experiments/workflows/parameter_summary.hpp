@@ -20,6 +20,12 @@ struct ParameterSummary {
 /// identified.
 std::vector<ParameterSummary> summarise(const Campaign& campaign, const Fit& fit);
 
+/// The same from an estimate [d] and the 5, 50 and 95 % quantiles [d x 3] of the posterior, in the unit cube.
+std::vector<ParameterSummary> summarise(const ParameterSpace& space, const Eigen::VectorXd& estimate,
+                                        const Eigen::MatrixXd& quantiles);
+/// Those quantiles [d x 3] of draws [n x d].
+Eigen::MatrixXd quantiles_of(const Eigen::MatrixXd& draws);
+
 /// A sentence where the specimens could not be made as dense or loose as measured; else empty.
 std::string density_warning(Campaign& campaign, const std::vector<RunRecord>& runs);
 

@@ -8,6 +8,14 @@ namespace loam::experiments {
 
 using nlohmann::json;
 
+json parameters_result(const std::vector<ParameterSummary>& parameters) {
+    json out = json::object();
+    for (const ParameterSummary& p : parameters)
+        out[p.name] = {{"unit", p.unit}, {"estimate", p.estimate},     {"q05", p.q05},    {"q50", p.q50},
+                       {"q95", p.q95},   {"identified", p.identified}, {"fixed", p.fixed}};
+    return out;
+}
+
 json model_result(const Settings& settings) {
     return {{"law", settings.law},
             {"rotation", settings.rotation},

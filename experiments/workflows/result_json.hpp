@@ -4,12 +4,16 @@
 #include <nlohmann/json.hpp>
 
 #include "experiments/campaign.hpp"
+#include "experiments/workflows/parameter_summary.hpp"
 
 namespace loam::experiments {
 
 /// Members that every verb has, without `seconds`; counts are those of the store.
 nlohmann::json common_result(const Settings& settings, std::string_view name, const Campaign& campaign,
                              const std::vector<std::string>& warnings);
+
+/// The `parameters` member.
+nlohmann::json parameters_result(const std::vector<ParameterSummary>& parameters);
 
 nlohmann::json model_result(const Settings& settings);
 

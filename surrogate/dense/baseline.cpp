@@ -2,6 +2,6 @@
 
 namespace loam::surrogate {
 
-const DenseFunctions dense_baseline{invert_factor, gram, multiply};
+const DenseFunctions dense_baseline{invert_factor, gram, multiply, multiply_many};
 
 }  // namespace loam::surrogate

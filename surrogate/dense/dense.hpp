@@ -16,6 +16,8 @@ struct DenseFunctions {
     void (*gram)(int n, const double* lower, double* gram);
     /// product [n] = X v or X' v for a lower matrix X.
     void (*multiply)(int n, const double* lower, bool transposed, const double* vector, double* product);
+    /// products [n x k] = X V for a lower matrix X with its zeros and V [n x k].
+    void (*multiply_many)(int n, const double* lower, int k, const double* vectors, double* products);
 };
 
 extern const DenseFunctions dense_baseline, dense_avx2, dense_avx512;

@@ -56,5 +56,16 @@ void multiply(int n, const double* lower, bool transposed, const double* vector,
     Eigen::Map<Eigen::VectorXd>(product, n) = to;
 }
 
+void multiply_many(int n, const double* lower, int k, const double* vectors, double* products) {
+    const Eigen::MatrixXd from = Eigen::Map<const Eigen::MatrixXd>(vectors, n, k);
+    const Eigen::Map<const Eigen::MatrixXd> x(lower, n, n);
+    Eigen::MatrixXd to(n, k);
+    for (int i = 0; i < n; i += block) {
+        const int height = n - i < block ? n - i : block;
+        to.middleRows(i, height).noalias() = x.block(i, 0, height, i + height) * from.topRows(i + height);
+    }
+    Eigen::Map<Eigen::MatrixXd>(products, n, k) = to;
+}
+
 }  // namespace
 }  // namespace loam::surrogate

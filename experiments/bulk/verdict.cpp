@@ -1,0 +1,84 @@
+#include "experiments/bulk/verdict.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace loam::experiments {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+constexpr double swelling = 5e-4;       // m/m: more than a reading's noise
+constexpr double early_share = 0.6;     // of the strain, at the first of several stages
+constexpr double at_bound = 0.01;       // of the prior's range
+constexpr double scatter_share = 0.5;   // of the error, that the packings' scatter explains
+constexpr double beyond_strain = 0.35;  // where De Pue et al. (2019) leave a run out
+
+std::string bound_met(const FittedSample& fit, const ParameterSpace& space) {
+    for (Index k = 0; k < space.dimension(); ++k)
+        if (fit.estimate[k] < at_bound || fit.estimate[k] > 1 - at_bound)
+            return fmt::format("{} lies at the {} bound of its prior", space.info(k).name,
+                               fit.estimate[k] < at_bound ? "lower" : "upper");
+    return {};
+}
+
+/// In words, where the simulated curve lies beside the measured one.
+std::string shape_of_error(const VectorXd& error) {
+    const Index half = error.size() / 2;
+    const double low = error.head(half).mean(), high = error.tail(error.size() - half).mean();
+    const auto side = [](double e) { return e > 0 ? "more" : "less"; };
+    return fmt::format("the simulated specimen strains {} than the measured one at low stress and {} at high",
+                       side(low), side(high));
+}
+
+std::string reason_for(const SampleOutcome& outcome, const ParameterSpace& space) {
+    const VectorXd& strain = outcome.sample->curve.strain;
+    if (strain.minCoeff() < -swelling)
+        return fmt::format(
+            "the specimen swelled by {:.1e} m/m before it was compressed, which the model has no "
+            "means to do",
+            -strain.minCoeff());
+    if (strain.maxCoeff() > beyond_strain)
+        return fmt::format("the measured strain of {:.2f} is beyond the model's range", strain.maxCoeff());
+    const double last = strain[strain.size() - 1];
+    if (strain[0] > early_share * last)
+        return fmt::format(
+            "{:.0f} % of the strain comes at the first stage: a disturbed or badly seated specimen",
+            100 * strain[0] / last);
+    if (outcome.direct->sd.size() > 0) {
+        const double scatter =
+            std::sqrt(outcome.direct->sd.squaredNorm() / static_cast<double>(strain.size()));
+        if (scatter >
+            scatter_share * outcome.rmse * std::sqrt(static_cast<double>(outcome.direct->curves.size())))
+            return fmt::format("specimens at the estimate scatter by {:.1e} m/m: they are about to collapse",
+                               scatter);
+    }
+    const std::string bound = bound_met(*outcome.fit, space);
+    const std::string shape = shape_of_error(outcome.direct->mean - strain);
+    return bound.empty() ? shape : shape + "; " + bound;
+}
+
+}  // namespace
+
+void judge(SampleOutcome& outcome, const ParameterSpace& space) {
+    if (!outcome.status.empty()) return;
+    if (!outcome.fit) {
+        outcome.status = "failed";
+        if (outcome.reason.empty()) outcome.reason = "was not fitted";
+        return;
+    }
+    if (outcome.direct && outcome.direct->curves.empty()) {
+        outcome.status = "not followed";
+        outcome.reason = "no direct run at the estimate reached the last stage: " + outcome.direct->reason;
+        return;
+    }
+    outcome.status = "calibrated";
+    if (outcome.direct && outcome.rmse > followed_error) {
+        outcome.status = "not followed";
+        outcome.reason = reason_for(outcome, space);
+    }
+}
+
+}  // namespace loam::experiments
