@@ -18,7 +18,8 @@ struct CalibrationRound {
     double disagreement = 0;    // Mahalanobis distance of the direct runs' mean from the emulator
     double limit = 0;           // of that distance: 99 % quantile if the emulator is right
     double emulator_share = 0;  // of the variance of the residuals, mean over the posterior
-    double difference = 0;      // rms of the direct runs' mean curve minus the emulator's, SI
+    // Of the direct runs' mean curve minus the emulator's: rms over what is tolerable, of the worst curve.
+    double difference = 0;
     std::string text;
 };
 
@@ -41,9 +42,6 @@ std::vector<RunRecord> training_runs(Campaign& campaign);
 /// packings from other rounds'.
 std::vector<RunRecord> direct_runs(Campaign& campaign, const Eigen::VectorXd& parameters, int round,
                                    int count);
-
-/// The measured values of the campaign's fitted outputs, with their columns.
-Observation observation_of(const Campaign& campaign, std::vector<Eigen::Index>& columns);
 
 /// Runs the whole loop. Throws Interrupted, and std::runtime_error where too many runs fail.
 Calibration calibrate(Campaign& campaign);

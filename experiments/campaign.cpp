@@ -20,6 +20,16 @@ bool wanted(const Settings& settings, const lab_data::Test& test) {
     return settings.tests.empty() || std::ranges::find(settings.tests, kind) != settings.tests.end();
 }
 
+lab_data::UserError no_reading(const lab_data::Test& test) {
+    if (test.kind == lab_data::TestKind::oedometer)
+        return lab_data::UserError({.file = test.file,
+                                    .constraint = "has no reading beyond the seating stress",
+                                    .remedy = "give further stages, or a lower seating_stress_kPa"});
+    return lab_data::UserError({.file = test.file,
+                                .constraint = "has no reading at an axial strain between 0 and 0.5",
+                                .remedy = "give readings with rising axial_strain, compression positive"});
+}
+
 std::vector<CampaignTest> select_tests(const Settings& settings, const lab_data::Sample& sample,
                                        std::vector<std::string>& warnings) {
     std::vector<CampaignTest> out;
@@ -34,26 +44,23 @@ std::vector<CampaignTest> select_tests(const Settings& settings, const lab_data:
                 throw lab_data::UserError({.column = "--tests",
                                            .value = std::string(to_string(test.kind)),
                                            .constraint = "cannot be simulated yet",
-                                           .remedy = "use --tests oedometer"});
+                                           .remedy = "use --tests oedometer,triaxial"});
             warnings.push_back(fmt::format("{} is left out: {}", test.file, text));
             continue;
         }
         CampaignTest entry{&test, kind, kind->readings(test), first, false, target_porosity(settings, test)};
-        if (entry.readings.empty())
-            throw lab_data::UserError({.file = test.file,
-                                       .constraint = "has no reading beyond the seating stress",
-                                       .remedy = "give further stages, or a lower seating_stress_kPa"});
+        if (entry.readings.empty()) throw no_reading(test);
         if (entry.readings.size() < test.size() / 2)
-            warnings.push_back(fmt::format("{}: {} of {} readings are used, spread over log stress",
+            warnings.push_back(fmt::format("{}: {} of {} readings are used, spread along the curve",
                                            test.file, entry.readings.size(), test.size()));
         entry.held_out = std::ranges::find(settings.hold_out, test.file) != settings.hold_out.end();
-        first += static_cast<Eigen::Index>(entry.readings.size());
+        first += entry.outputs();
         out.push_back(entry);
     }
     if (out.empty())
         throw lab_data::UserError({.file = sample.folder.string(),
                                    .constraint = "has no test that is asked for and can be simulated",
-                                   .remedy = "an oedometer test is needed; see --tests"});
+                                   .remedy = "an oedometer or triaxial test is needed; see --tests"});
     return out;
 }
 
@@ -80,7 +87,8 @@ EnsembleHeader make_header(const Settings& settings, const ParameterSpace& space
         header.parameters[space.fitted[k]].upper = space.priors[k].upper;
     }
     for (const CampaignTest& test : tests)
-        for (const OutputColumn& column : test.kind->outputs(*test.test)) header.outputs.push_back(column);
+        for (const OutputColumn& column : output_columns(*test.kind, *test.test))
+            header.outputs.push_back(column);
     add_options(options, header);
     header.diagnostics = {{"inertial_number", ""}, {"unbalanced_ratio", ""}, {"servo_error", ""},
                           {"overlap", ""},         {"energy_error", ""},     {"steps", ""},
@@ -118,6 +126,13 @@ double keep_reached(VirtualTestResult& result) {
 
 }  // namespace
 
+Eigen::VectorXd CampaignTest::measured(std::string_view column) const {
+    const std::vector<double>& all = test->column(std::string(column));
+    Eigen::VectorXd out(static_cast<Eigen::Index>(readings.size()));
+    for (Eigen::Index k = 0; k < out.size(); ++k) out[k] = all[readings[static_cast<std::size_t>(k)]];
+    return out;
+}
+
 Campaign::Campaign(const Settings& settings, const lab_data::Sample& sample,
                    const std::filesystem::path& folder, RunLog* log, const CampaignOptions& options)
     : settings_(settings),
@@ -130,8 +145,16 @@ Campaign::Campaign(const Settings& settings, const lab_data::Sample& sample,
       specimens_(settings_),
       store_(folder, make_header(settings, space_, tests_, grain_density_, options)),
       log_(log) {
-    for (const CampaignTest& test : tests_) outputs_ += static_cast<Eigen::Index>(test.readings.size());
+    for (const CampaignTest& test : tests_) outputs_ += test.outputs();
     if (!settings.packing.empty()) given_packing_ = load_packing(settings.packing);
+}
+
+std::vector<CampaignCurve> Campaign::curves() const {
+    std::vector<CampaignCurve> out;
+    for (const CampaignTest& test : tests_)
+        for (std::size_t c = 0; c < test.kind->channels.size(); ++c)
+            out.push_back({&test, &test.kind->channels[c], test.first_of(c)});
+    return out;
 }
 
 double Campaign::porosity_of(const CampaignTest& test, const RunSpec& spec) const {
@@ -145,9 +168,9 @@ engine::Packing Campaign::packing_of(const CampaignTest& test, const RunSpec& sp
     return specimens_.get(porosity_of(test, spec), spec.particles, spec.packing_seed, stop)->packing;
 }
 
-std::shared_ptr<const engine::PackingResult> Campaign::specimen(const RunSpec& spec) {
-    return specimens_.get(porosity_of(tests_.front(), spec), spec.particles, spec.packing_seed,
-                          SignalScope::token());
+std::shared_ptr<const engine::PackingResult> Campaign::specimen(const CampaignTest& test,
+                                                                const RunSpec& spec) {
+    return specimens_.get(porosity_of(test, spec), spec.particles, spec.packing_seed, SignalScope::token());
 }
 
 engine::Packing Campaign::packing(const RunSpec& spec) {
@@ -183,7 +206,7 @@ RunRecord Campaign::simulate(const RunSpec& spec, const StopToken& stop) {
         if (result.ok && result.servo_error > largest_servo_error) {
             result.ok = false;
             result.reason =
-                fmt::format("the seating stress was missed by {:.1f} %", 100 * result.servo_error);
+                fmt::format("the stress that is held was missed by {:.1f} %", 100 * result.servo_error);
         }
         if (options_.keep_partial) record.outputs[outputs_] = keep_reached(result);
         if (!result.ok) {

@@ -23,9 +23,29 @@ struct CampaignTest {
     const lab_data::Test* test;
     const LabTestKind* kind;
     std::vector<std::size_t> readings;  // [n] of the measurement
-    Eigen::Index first = 0;             // outputs first .. first + n - 1
+    Eigen::Index first = 0;             // of its outputs, n for each channel of its kind, in their order
     bool held_out = false;
     double porosity = 0;  // at which its specimen is made
+
+    Eigen::Index outputs() const {
+        return static_cast<Eigen::Index>(readings.size() * kind->channels.size());
+    }
+    /// The output of a channel at the first of the readings used.
+    Eigen::Index first_of(std::size_t channel) const {
+        return first + static_cast<Eigen::Index>(channel * readings.size());
+    }
+    /// A column of the measurement at the readings used [n], SI.
+    Eigen::VectorXd measured(std::string_view column) const;
+};
+
+/// One channel of a campaign's test: outputs first .. first + n - 1.
+struct CampaignCurve {
+    const CampaignTest* test;
+    const TestChannel* channel;
+    Eigen::Index first;
+
+    Eigen::Index count() const { return static_cast<Eigen::Index>(test->readings.size()); }
+    Eigen::VectorXd measured() const { return test->measured(channel->name); }
 };
 
 /// Diagnostics of every run, in the order in which the store keeps them.
@@ -59,6 +79,8 @@ class Campaign {
     const Settings& settings() const { return settings_; }
     const ParameterSpace& space() const { return space_; }
     const std::vector<CampaignTest>& tests() const { return tests_; }
+    /// All channels of all tests, in the order of the outputs.
+    std::vector<CampaignCurve> curves() const;
     const EnsembleStore& store() const { return store_; }
     Eigen::Index output_count() const { return outputs_; }
     const std::vector<std::string>& warnings() const { return warnings_; }
@@ -67,8 +89,8 @@ class Campaign {
     /// specs.
     std::vector<RunRecord> run(std::string_view title, std::span<const RunSpec> specs);
 
-    /// The packing of the first test of that run.
-    std::shared_ptr<const engine::PackingResult> specimen(const RunSpec& spec);
+    /// The packing of a test of that run.
+    std::shared_ptr<const engine::PackingResult> specimen(const CampaignTest& test, const RunSpec& spec);
     /// What that run's first test was made of: its packing, or the one that the settings name.
     engine::Packing packing(const RunSpec& spec);
     double grain_density() const { return grain_density_; }

@@ -26,37 +26,54 @@ constexpr double identified_below = 0.75;  // posterior over prior width
 class Likelihood {
   public:
     Likelihood(const TrainedEmulator& trained, const ParameterSpace& space, const Observation& observation)
-        : trained_(trained), space_(space), observation_(observation) {
+        : trained_(trained),
+          space_(space),
+          observation_(observation),
+          readings_(observation, trained.transforms) {
         const Index m = observation.measured.size();
         target_.resize(m);
-        for (Index k = 0; k < m; ++k) target_[k] = trained.transform.forward(observation.measured[k]);
+        for (Index k = 0; k < m; ++k) target_[k] = transform(k).forward(observation.measured[k]);
     }
 
     Index parameters() const { return space_.dimension(); }
-    Index dimension() const { return parameters() + 1; }
-    double misfit(const VectorXd& theta) const { return misfit_prior.from_unit(theta[parameters()]); }
+    Index dimension() const { return parameters() + misfits(); }
+    Index misfits() const { return static_cast<Index>(readings_.misfit_priors().size()); }
+    const surrogate::Prior& misfit_prior_of(Index which) const {
+        return readings_.misfit_priors()[static_cast<std::size_t>(which)];
+    }
+    VectorXd misfits_at(const VectorXd& theta) const {
+        VectorXd out(misfits());
+        for (Index k = 0; k < out.size(); ++k) out[k] = misfit_prior_of(k).from_unit(theta[parameters() + k]);
+        return out;
+    }
 
     MatrixXd covariance(const VectorXd& theta, double* emulator_variance = nullptr,
                         VectorXd* mean = nullptr) const {
         const surrogate::CurvePrediction at = trained_.emulator.predict(theta.head(parameters()));
         if (emulator_variance) *emulator_variance = at.emulator_covariance.trace();
         if (mean) *mean = at.mean + large_specimen(at.noise_covariance);
-        MatrixXd c = at.emulator_covariance + observation_.packing_share * at.noise_covariance;
-        c.diagonal() += reading_variance(observation_, trained_.transform, misfit(theta));
+        MatrixXd c =
+            at.emulator_covariance + observation_.packing_share * readings_.of_specimens(at.noise_covariance);
+        readings_.add(misfits_at(theta), c);
         return c;
     }
 
     /// The emulator gives the mean of T over packings. A specimen of more grains averages the curve itself
     /// over as many packings, whose T is larger by half the variance that has been averaged out (lognormal
-    /// scatter).
+    /// scatter; a linear T stays).
     VectorXd large_specimen(const MatrixXd& packing_noise) const {
-        return 0.5 * (1 - std::min(1.0, observation_.packing_share)) * packing_noise.diagonal();
+        VectorXd out = 0.5 * (1 - std::min(1.0, observation_.packing_share)) * packing_noise.diagonal();
+        for (Index k = 0; k < out.size(); ++k)
+            if (transform(k).linear) out[k] = 0;
+        return out;
     }
 
     double log_prior(const VectorXd& theta) const {
         double sum = 0;
         for (Index k = 0; k < parameters(); ++k) sum += space_.prior(k).log_density_unit(theta[k]);
-        return sum + misfit_prior.log_density_unit(theta[parameters()]);
+        for (Index k = 0; k < misfits(); ++k)
+            sum += misfit_prior_of(k).log_density_unit(theta[parameters() + k]);
+        return sum;
     }
 
     double log_posterior(const VectorXd& theta) const {
@@ -85,9 +102,14 @@ class Likelihood {
     }
 
   private:
+    const OutputTransform& transform(Index k) const {
+        return trained_.transforms[static_cast<std::size_t>(k)];
+    }
+
     const TrainedEmulator& trained_;
     const ParameterSpace& space_;
     const Observation& observation_;
+    ReadingNoise readings_;
     VectorXd target_;
 };
 
@@ -114,25 +136,9 @@ void refine(const Likelihood& likelihood, VectorXd& theta, double& value, optimi
 
 }  // namespace
 
-double OutputTransform::forward(double y) const {
-    return std::log1p(std::max(y / scale, -0.9));
-}
-double OutputTransform::inverse(double t) const {
-    return scale * std::expm1(t);
-}
-double OutputTransform::derivative(double y) const {
-    return 1 / (scale + std::max(y, -0.9 * scale));
-}
-
-OutputTransform transform_for(const Observation& observation) {
-    OutputTransform transform;
-    while (16 * transform.scale <= observation.measured.maxCoeff()) transform.scale *= 4;
-    return transform;
-}
-
 TrainedEmulator train_emulator(const std::vector<RunRecord>& runs, const ParameterSpace& space,
-                               const std::vector<Index>& columns, const OutputTransform& transform,
-                               const Settings& settings) {
+                               const std::vector<Index>& columns,
+                               const std::vector<OutputTransform>& transforms, const Settings& settings) {
     const Index d = space.dimension(), m = static_cast<Index>(columns.size());
     const Index n = std::ranges::count_if(runs, [](const RunRecord& r) { return r.ok; });
     if (n < fewest_training_runs(static_cast<int>(d)))
@@ -145,14 +151,15 @@ TrainedEmulator train_emulator(const std::vector<RunRecord>& runs, const Paramet
         if (!run.ok) continue;
         inputs.row(row) = space.unit(run.spec.parameters).transpose();
         for (Index k = 0; k < m; ++k)
-            outputs(row, k) = transform.forward(run.outputs[columns[static_cast<std::size_t>(k)]]);
+            outputs(row, k) = transforms[static_cast<std::size_t>(k)].forward(
+                run.outputs[columns[static_cast<std::size_t>(k)]]);
         ++row;
     }
     surrogate::CurveEmulatorOptions options;
     options.kernel = settings.calibration.kernel;
     options.seed = run_seed(settings.seed, 0, 11);
     options.threads = settings.jobs;
-    return {surrogate::CurveEmulator::fit(inputs, outputs, options), transform, n};
+    return {surrogate::CurveEmulator::fit(inputs, outputs, options), transforms, n};
 }
 
 Fit fit(const TrainedEmulator& trained, const ParameterSpace& space, const Observation& observation,
@@ -167,7 +174,7 @@ Fit fit(const TrainedEmulator& trained, const ParameterSpace& space, const Obser
     const auto negative = [&](const VectorXd& theta, VectorXd*) { return -likelihood.log_posterior(theta); };
     VectorXd start(n);
     for (Index k = 0; k < d; ++k) start[k] = space.prior(k).quantile_unit(0.5);
-    start[d] = misfit_prior.quantile_unit(0.5);
+    for (Index k = d; k < n; ++k) start[k] = likelihood.misfit_prior_of(k - d).quantile_unit(0.5);
 
     Fit out;
     const optimizers::Minimum global =
@@ -192,7 +199,7 @@ Fit fit(const TrainedEmulator& trained, const ParameterSpace& space, const Obser
         refine(likelihood, theta, value, out.local);
     }
     out.estimate = theta.head(d);
-    out.misfit = likelihood.misfit(theta);
+    out.misfits = likelihood.misfits_at(theta);
     out.log_posterior = value;
     out.covariance = likelihood.covariance(theta);
     // Where the posterior has two hills, the estimate stands on one of them only.

@@ -12,6 +12,27 @@ namespace loam::experiments {
 /// follows well, up to several percent where it does not.
 extern const surrogate::Prior misfit_prior;
 
+/// What measurement and misfit add to the covariance of an observation's residuals, and what packing noise
+/// its specimens share; all on the transformed scale.
+class ReadingNoise {
+  public:
+    /// `transforms` [m].
+    ReadingNoise(const Observation& observation, const std::vector<OutputTransform>& transforms);
+
+    const std::vector<surrogate::Prior>& misfit_priors() const { return misfit_priors_; }
+    /// Adds measurement and misfit, whose sd's [misfits] are in the unit of their curves, to c [m x m].
+    void add(const Eigen::VectorXd& misfits, Eigen::MatrixXd& c) const;
+    /// The packing noise of one run [m x m] without what different specimens have in common there.
+    Eigen::MatrixXd of_specimens(const Eigen::MatrixXd& packing_noise) const;
+
+  private:
+    std::vector<ObservedCurve> curves_;
+    std::vector<surrogate::Prior> misfit_priors_;
+    std::vector<Eigen::MatrixXd> correlations_;  // of the misfit along each curve; empty: independent
+    Eigen::VectorXd slope_, measurement_;        // [m] dT/dy; variance of a reading (SI)
+    Eigen::MatrixXd same_specimen_;              // [m x m] 1 or 0; empty where there is one specimen
+};
+
 /// Variance [m] of each reading about the model's curve, on the transformed scale, from measurement and
 /// misfit (SI).
 Eigen::VectorXd reading_variance(const Observation& observation, const OutputTransform& transform,

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "experiments/lab_tests/measured.hpp"
 #include "experiments/lab_tests/oedometer.hpp"
 
 namespace loam::experiments {
@@ -25,18 +26,6 @@ void append_phase(const std::vector<double>& stress, std::size_t begin, std::siz
     }
 }
 
-engine::SimulationOptions simulation_options(const Settings& settings, double grain_density,
-                                             bool energy_balance) {
-    engine::SimulationOptions how;
-    how.free_rotation = settings.rotation == "free";
-    how.damping = settings.engine.damping;
-    how.grain_density = grain_density;
-    how.density_scaling = settings.engine.density_scaling;
-    how.time_step_safety = settings.engine.time_step_safety;
-    how.energy_balance = energy_balance;
-    return how;
-}
-
 OedometerOptions oedometer_options(const Settings& settings, const lab_data::Test& test) {
     OedometerOptions options;
     options.seating_stress = lab_data::seating_stress(test);
@@ -47,7 +36,7 @@ OedometerOptions oedometer_options(const Settings& settings, const lab_data::Tes
     options.stress_change *= haste;
     options.strain_per_step *= haste;
     options.least_strain_per_step *= haste;
-    if (settings.packing.empty()) options.seating_stiffness = 2e4;
+    if (settings.packing.empty()) options.seating_stiffness = seating_stiffness_of_made_packings;
     for (const std::size_t k : oedometer_readings(test))
         options.stages.push_back(test.column("axial_stress")[k]);
     return options;
@@ -71,14 +60,6 @@ std::vector<std::size_t> oedometer_readings(const lab_data::Test& test) {
         begin = end;
     }
     return used;
-}
-
-std::vector<OutputColumn> oedometer_outputs(const lab_data::Test& test) {
-    std::vector<OutputColumn> columns;
-    for (const std::size_t k : oedometer_readings(test))
-        columns.push_back(
-            {test.file, "axial_strain", "", "axial_stress", "Pa", test.column("axial_stress")[k]});
-    return columns;
 }
 
 VirtualTestResult run_measured_oedometer(const engine::Packing& packing, const engine::ContactLaw& law,

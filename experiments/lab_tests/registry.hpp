@@ -19,10 +19,10 @@ struct VirtualTestResult {
     bool ok = false;
     std::string reason;           // why not
     bool stopped_early = false;   // after some stages: their outputs are there, the others NaN
-    Eigen::VectorXd outputs;      // [readings used], SI
+    Eigen::VectorXd outputs;      // [channels x readings used], SI, channel after channel
     double inertial_number = 0;   // largest
     double unbalanced_ratio = 0;  // mean during loading
-    double servo_error = 0;       // largest relative error of the seating stress
+    double servo_error = 0;       // relative, of the stress that is held
     double overlap = 0;           // largest over R_i + R_j
     double energy_error = 0;      // of the energy balance
     double steps = 0;
@@ -36,14 +36,21 @@ struct PictureOfTest {
     double stress = 0;  // axial (Pa)
 };
 
+/// A measured quantity that a kind of test gives along its curve.
+struct TestChannel {
+    std::string_view name;  // column of lab_data::Test
+    std::string_view unit;  // as results say it: "Pa", "m/m"
+};
+
 struct LabTestKind {
     lab_data::TestKind kind;
     std::string_view meaning;
+    std::string_view x_name, x_unit;  // what the curves are drawn over
+    bool x_logarithmic;
+    std::span<const TestChannel> channels;
     /// The readings of the measurement that are simulated, as indices into its columns (all of them, or a
     /// selection where a test has hundreds).
     std::vector<std::size_t> (*readings)(const lab_data::Test&);
-    /// One column for each of those readings.
-    std::vector<OutputColumn> (*outputs)(const lab_data::Test&);
     /// Runs the test on the packing; throws what the engine throws, and std::runtime_error when cancelled.
     VirtualTestResult (*run)(const engine::Packing&, const engine::ContactLaw&, const Settings&,
                              double grain_density, const lab_data::Test&,
@@ -54,6 +61,9 @@ struct LabTestKind {
 };
 
 std::span<const LabTestKind> lab_test_kinds();
+
+/// The columns of a test's outputs in an ensemble: channel after channel, a column for each reading used.
+std::vector<OutputColumn> output_columns(const LabTestKind& kind, const lab_data::Test& test);
 
 /// The kind's entry, or nullptr where it cannot be simulated.
 const LabTestKind* find_lab_test(lab_data::TestKind kind);

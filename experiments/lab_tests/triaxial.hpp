@@ -9,6 +9,7 @@
 
 #include "engine/loading.hpp"
 #include "engine/simulation.hpp"
+#include "experiments/lab_tests/registry.hpp"
 
 namespace loam::experiments {
 
@@ -61,5 +62,17 @@ struct TriaxialResult {
 /// the axis. `cancelled` is polled and makes it throw std::runtime_error.
 TriaxialResult run_triaxial(engine::Simulation& simulation, const engine::ContactLaw& law,
                             const TriaxialOptions& options, const std::function<bool()>& cancelled = {});
+
+// The entries of the table of lab tests (registry.hpp). Of many readings 16 are used, evenly spread over the
+// root of axial strain, with the peak of the deviatoric stress among them; those where strain does not rise
+// are not simulated.
+std::vector<std::size_t> triaxial_readings(const lab_data::Test& test);
+VirtualTestResult run_measured_triaxial(const engine::Packing& packing, const engine::ContactLaw& law,
+                                        const Settings& settings, double grain_density,
+                                        const lab_data::Test& test, const std::function<bool()>& cancelled);
+
+/// Under the peak deviatoric stress that was measured.
+PictureOfTest picture_of_triaxial(const engine::Packing& packing, const engine::ContactLaw& law,
+                                  const Settings& settings, double grain_density, const lab_data::Test& test);
 
 }  // namespace loam::experiments

@@ -28,14 +28,36 @@ std::string table(const std::vector<ParameterSummary>& parameters, const json& r
         text += fmt::format("{:<17} {:>11.4g} {:>26}  {}{}\n", p.name, p.estimate, interval, p.unit,
                             p.fixed || p.identified ? "" : "  (not identified)");
     }
-    for (const json& test : result["tests"])
+    for (const json& test : result["tests"]) {
+        const bool staged = test.contains("rmse_loading");
         text += fmt::format(
-            "{}: error of direct DEM runs {:.2e} m/m ({:.2e} over the loading stages), {} readings{}\n",
-            test["file"].get<std::string>(), test["rmse"].get<double>(), test["rmse_loading"].get<double>(),
+            "{}{}: error of direct DEM runs {}{}, {} readings{}\n", test["file"].get<std::string>(),
+            staged ? "" : " " + test["channel"].get<std::string>(),
+            readable(test["rmse"].get<double>(), test["unit"].get<std::string>()),
+            staged ? fmt::format(" ({:.2e} over the loading stages)", test["rmse_loading"].get<double>())
+                   : "",
             test["points"].get<std::size_t>(), test["held_out"].get<bool>() ? ", held out" : "");
+    }
     for (const json& warning : result["warnings"])
         text += fmt::format("warning: {}\n", warning.get<std::string>());
     return text + fmt::format("report: {}\n", report);
+}
+
+/// What the model cannot follow, SI, of every fitted curve by file and channel.
+json misfits_result(const Campaign& campaign, const Fit& fit) {
+    std::vector<Eigen::Index> columns;
+    const Observation observation = observation_of(campaign, columns);
+    json out = json::array();
+    std::size_t at = 0;
+    for (const CampaignCurve& curve : campaign.curves()) {
+        if (curve.test->held_out) continue;
+        const ObservedCurve& observed = observation.curves[at++];
+        out.push_back({{"file", curve.test->test->file},
+                       {"channel", curve.channel->name},
+                       {"sd", observed.unit * fit.misfits[observed.misfit]},
+                       {"unit", curve.channel->unit}});
+    }
+    return out;
 }
 
 }  // namespace
@@ -54,14 +76,14 @@ int run_calibrate(const Settings& settings) {
     std::vector<std::string> warnings = sample.warnings;
     for (const auto* more : {&campaign.warnings(), &calibration.warnings})
         warnings.insert(warnings.end(), more->begin(), more->end());
-    if (const std::string text = density_warning(campaign, calibration.confirmation); !text.empty())
-        warnings.push_back(text);
+    for (std::string& text : density_warnings(campaign, calibration.confirmation))
+        warnings.push_back(std::move(text));
 
     const std::vector<ParameterSummary> parameters = summarise(campaign, calibration.fit);
     json result = common_result(settings, sample.name, campaign, warnings);
     result["parameters"] = parameters_result(parameters);
     result["tests"] = tests_result(campaign, calibration.simulated);
-    result["misfit_sd"] = calibration.fit.misfit;
+    result["misfit_sd"] = misfits_result(campaign, calibration.fit);
     result["stopped_by"] = calibration.stopped_by;
     json document = calibration_document(campaign, sample, calibration, parameters, result);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();

@@ -7,6 +7,7 @@
 
 #include "experiments/ensemble/run_seed.hpp"
 #include "experiments/settings/writing.hpp"
+#include "experiments/workflows/result_json.hpp"
 #include "surrogate/sensitivity.hpp"
 
 namespace loam::experiments {
@@ -24,13 +25,18 @@ json to_json(const VectorXd& v) {
 }
 
 std::string stage_label(const OutputColumn& column) {
-    return fmt::format("{:.4g} kPa", column.x / 1000);
+    if (column.x_unit == "Pa") return fmt::format("{:.4g} kPa", column.x / 1000);
+    return fmt::format("{} {} at {:.2g} %", column.file, column.channel, 100 * column.x);
 }
 
 /// Place of output `at` among the fitted ones, or -1 where it is held out.
 Index fitted_place(const Calibration& c, Index at) {
     const auto found = std::ranges::find(c.columns, at);
     return found == c.columns.end() ? -1 : found - c.columns.begin();
+}
+
+const OutputTransform& transform_at(const Calibration& c, Index m) {
+    return c.trained->transforms[static_cast<std::size_t>(m)];
 }
 
 /// Curves of draws of the posterior, SI, [draws x fitted outputs]: emulator mean at every draw.
@@ -41,7 +47,7 @@ MatrixXd posterior_curves(const Calibration& c, Index dimension) {
     for (Index k = 0; k < n; ++k) {
         const VectorXd x = draws.row(k * draws.rows() / n).head(dimension).transpose();
         const VectorXd mean = c.trained->emulator.predict_mean(x);
-        for (Index m = 0; m < mean.size(); ++m) out(k, m) = c.trained->transform.inverse(mean[m]);
+        for (Index m = 0; m < mean.size(); ++m) out(k, m) = transform_at(c, m).inverse(mean[m]);
     }
     return out;
 }
@@ -52,16 +58,17 @@ void add_bands(json& tests, const Campaign& campaign, const Calibration& c) {
         const VectorXd values = curves.col(m);
         return quantile({values.begin(), values.end()}, q);
     };
-    for (std::size_t t = 0; t < campaign.tests().size(); ++t) {
-        const CampaignTest& test = campaign.tests()[t];
-        if (test.held_out) continue;
+    const std::vector<CampaignCurve> drawn = campaign.curves();
+    for (std::size_t t = 0; t < drawn.size(); ++t) {
+        const CampaignCurve& curve = drawn[t];
+        if (curve.test->held_out) continue;
         json low = json::array(), high = json::array(), sd = json::array();
-        for (std::size_t k = 0; k < test.readings.size(); ++k) {
-            const Index m = fitted_place(c, test.first + static_cast<Index>(k));
-            const double y = c.simulated[test.first + static_cast<Index>(k)];
+        for (Index k = 0; k < curve.count(); ++k) {
+            const Index m = fitted_place(c, curve.first + k);
+            const double y = c.simulated[curve.first + k];
             low.push_back(column(m, 0.05));
             high.push_back(column(m, 0.95));
-            sd.push_back(std::sqrt(c.fit.covariance(m, m)) / c.trained->transform.derivative(y));
+            sd.push_back(std::sqrt(c.fit.covariance(m, m)) / transform_at(c, m).derivative(y));
         }
         tests[t]["band_lower"] = low;
         tests[t]["band_upper"] = high;
@@ -140,17 +147,17 @@ json emulator_document(const Campaign& campaign, const Calibration& c) {
     return out;
 }
 
-/// Sobol indices along the first fitted test, and its curve with each parameter low and high.
+/// Sobol indices along the first fitted curve, and that curve with each parameter low and high.
 json sensitivity_document(const Campaign& campaign, const Calibration& c,
                           const std::vector<ParameterSummary>& all) {
     const ParameterSpace& space = campaign.space();
-    const auto at = std::ranges::find_if(campaign.tests(), [](const CampaignTest& t) { return !t.held_out; });
-    const Index first = fitted_place(c, at->first), n = static_cast<Index>(at->readings.size()),
-                d = space.dimension();
+    const std::vector<CampaignCurve> curves = campaign.curves();
+    const auto at = std::ranges::find_if(curves, [](const CampaignCurve& t) { return !t.test->held_out; });
+    const Index first = fitted_place(c, at->first), n = at->count(), d = space.dimension();
     const auto curve = [&](const VectorXd& x) {
         const VectorXd mean = c.trained->emulator.predict_mean(x).segment(first, n);
         VectorXd out(n);
-        for (Index m = 0; m < n; ++m) out[m] = c.trained->transform.inverse(mean[m]);
+        for (Index m = 0; m < n; ++m) out[m] = transform_at(c, first + m).inverse(mean[m]);
         return out;
     };
     surrogate::SensitivityOptions options;
@@ -159,9 +166,8 @@ json sensitivity_document(const Campaign& campaign, const Calibration& c,
     const surrogate::Sensitivity indices = surrogate::sobol_indices(
         [&](const VectorXd& x) { return VectorXd(c.trained->emulator.predict_mean(x).segment(first, n)); },
         space.priors, options);
-    json out{{"names", json::array()},       {"test", at - campaign.tests().begin()},
-             {"first_order", json::array()}, {"total", json::array()},
-             {"low", json::array()},         {"high", json::array()}};
+    json out{{"names", json::array()}, {"test", at - curves.begin()}, {"first_order", json::array()},
+             {"total", json::array()}, {"low", json::array()},        {"high", json::array()}};
     for (Index k = 0; k < d; ++k) {
         const ParameterSummary& p = all[space.fitted[static_cast<std::size_t>(k)]];
         out["names"].push_back(p.name);
@@ -176,20 +182,36 @@ json sensitivity_document(const Campaign& campaign, const Calibration& c,
     return out;
 }
 
+/// How closely direct runs follow the curves that were fitted, in words.
+std::string followed(const json& tests) {
+    std::string out;
+    for (const json& test : tests) {
+        if (test["held_out"].get<bool>()) continue;
+        const std::string file = test["file"].get<std::string>();
+        const double rmse = test["rmse"].get<double>();
+        if (!out.empty()) out += ", ";
+        if (test.contains("rmse_loading"))
+            out += fmt::format("{} to {:.1e} m/m over the loading stages ({:.1e} over all readings)", file,
+                               test["rmse_loading"].get<double>(), rmse);
+        else
+            out += fmt::format("the {} of {} to {}",
+                               test["unit"] == "Pa" ? "deviatoric stress" : "volumetric strain", file,
+                               readable(rmse, test["unit"].get<std::string>()));
+    }
+    return out;
+}
+
 std::string verdict(const Calibration& c, const std::vector<ParameterSummary>& parameters,
                     const json& result) {
     std::string open;
     for (const ParameterSummary& p : parameters)
         if (!p.fixed && !p.identified) open += (open.empty() ? "" : ", ") + p.name;
-    const json& test = result["tests"].front();
-    return fmt::format(
-        "Direct DEM runs at the estimate follow {} to {:.1e} m/m over the loading stages ({:.1e} over all "
-        "readings); {}. What is left over: {}.",
-        test["file"].get<std::string>(), test["rmse_loading"].get<double>(), test["rmse"].get<double>(),
-        open.empty() ? "every parameter is identified" : "these data do not identify " + open,
-        c.rounds.back().disagreement > c.rounds.back().limit
-            ? "emulator and direct runs still differ by more than their noise"
-            : "see the residuals by reading below");
+    return fmt::format("Direct DEM runs at the estimate follow {}; {}. What is left over: {}.",
+                       followed(result["tests"]),
+                       open.empty() ? "every parameter is identified" : "these data do not identify " + open,
+                       c.rounds.back().disagreement > c.rounds.back().limit
+                           ? "emulator and direct runs still differ by more than their noise"
+                           : "see the residuals by reading below");
 }
 
 }  // namespace
@@ -197,31 +219,24 @@ std::string verdict(const Calibration& c, const std::vector<ParameterSummary>& p
 json curves_document(const Campaign& campaign, const std::vector<RunRecord>& runs, const VectorXd& simulated,
                      const json& tests) {
     json out = tests;
-    for (std::size_t t = 0; t < campaign.tests().size(); ++t) {
-        const CampaignTest& test = campaign.tests()[t];
-        json &entry = out[t], x = json::array(), phase = json::array(), measured = json::array(),
-             mean = json::array();
-        for (std::size_t k = 0; k < test.readings.size(); ++k) {
-            const std::size_t reading = test.readings[k];
-            x.push_back(test.test->column("axial_stress")[reading]);
+    const std::vector<CampaignCurve> curves = campaign.curves();
+    for (std::size_t t = 0; t < curves.size(); ++t) {
+        const CampaignCurve& curve = curves[t];
+        const CampaignTest& test = *curve.test;
+        json phase = json::array(), replicates = json::array();
+        for (const std::size_t reading : test.readings)
             phase.push_back(test.test->phase.empty() ? "loading" : test.test->phase[reading]);
-            measured.push_back(test.test->column("axial_strain")[reading]);
-            mean.push_back(simulated[test.first + static_cast<Index>(k)]);
-        }
-        json replicates = json::array();
         for (const RunRecord& run : runs)
-            if (run.ok)
-                replicates.push_back(
-                    to_json(run.outputs.segment(test.first, static_cast<Index>(test.readings.size()))));
-        entry.update({{"x_name", "axial_stress"},
-                      {"x_unit", "Pa"},
-                      {"x_log", true},
-                      {"y_unit", "m/m"},
-                      {"x", x},
-                      {"phase", phase},
-                      {"measured", measured},
-                      {"simulated", mean},
-                      {"replicates", replicates}});
+            if (run.ok) replicates.push_back(to_json(run.outputs.segment(curve.first, curve.count())));
+        out[t].update({{"x_name", test.kind->x_name},
+                       {"x_unit", test.kind->x_unit},
+                       {"x_log", test.kind->x_logarithmic},
+                       {"y_unit", curve.channel->unit},
+                       {"x", to_json(test.measured(test.kind->x_name))},
+                       {"phase", phase},
+                       {"measured", to_json(curve.measured())},
+                       {"simulated", to_json(simulated.segment(curve.first, curve.count()))},
+                       {"replicates", replicates}});
     }
     return out;
 }

@@ -50,15 +50,18 @@ std::vector<ParameterSummary> summarise(const ParameterSpace& space, const Eigen
     return out;
 }
 
-std::string density_warning(Campaign& campaign, const std::vector<RunRecord>& runs) {
-    if (runs.empty() || !campaign.settings().packing.empty()) return {};
-    const auto made = campaign.specimen(runs.front().spec);
-    const double wanted = campaign.tests().front().porosity, got = made->packing.porosity();
-    if (made->reached) return {};
+std::vector<std::string> density_warnings(Campaign& campaign, const std::vector<RunRecord>& runs) {
+    std::vector<std::string> out;
+    if (runs.empty() || !campaign.settings().packing.empty()) return out;
     const auto void_ratio = [](double n) { return n / (1 - n); };
-    return fmt::format("{}: the specimen's void ratio is {:.3f}, not the {:.3f} measured: {}",
-                       campaign.tests().front().test->file, void_ratio(got), void_ratio(wanted),
-                       made->stopped_by);
+    for (const CampaignTest& test : campaign.tests()) {
+        const auto made = campaign.specimen(test, runs.front().spec);
+        if (made->reached) continue;
+        out.push_back(fmt::format("{}: the specimen's void ratio is {:.3f}, not the {:.3f} measured: {}",
+                                  test.test->file, void_ratio(made->packing.porosity()),
+                                  void_ratio(test.porosity), made->stopped_by));
+    }
+    return out;
 }
 
 }  // namespace loam::experiments

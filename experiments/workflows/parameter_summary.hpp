@@ -26,7 +26,7 @@ std::vector<ParameterSummary> summarise(const ParameterSpace& space, const Eigen
 /// Those quantiles [d x 3] of draws [n x d].
 Eigen::MatrixXd quantiles_of(const Eigen::MatrixXd& draws);
 
-/// A sentence where the specimens could not be made as dense or loose as measured; else empty.
-std::string density_warning(Campaign& campaign, const std::vector<RunRecord>& runs);
+/// A sentence for each test whose specimens could not be made as dense or loose as measured.
+std::vector<std::string> density_warnings(Campaign& campaign, const std::vector<RunRecord>& runs);
 
 }  // namespace loam::experiments

@@ -35,15 +35,16 @@ json common_result(const Settings& settings, std::string_view name, const Campai
             {"model", model_result(settings)}};
 }
 
-CurveError curve_error(const CampaignTest& test, const Eigen::VectorXd& simulated) {
-    const std::vector<double>& strain = test.test->column("axial_strain");
+CurveError curve_error(const CampaignCurve& curve, const Eigen::VectorXd& simulated) {
+    const CampaignTest& test = *curve.test;
+    const Eigen::VectorXd measured = curve.measured();
     CurveError out;
     double n = 0, n_loading = 0, sx = 0, sy = 0, sxx = 0, syy = 0, sxy = 0;
-    for (std::size_t k = 0; k < test.readings.size(); ++k) {
-        const std::size_t reading = test.readings[k];
-        const double x = strain[reading], y = simulated[test.first + static_cast<Eigen::Index>(k)], e = y - x;
+    for (Eigen::Index k = 0; k < curve.count(); ++k) {
+        const double x = measured[k], y = simulated[curve.first + k], e = y - x;
         out.rmse += e * e;
         out.mean_error += e;
+        const std::size_t reading = test.readings[static_cast<std::size_t>(k)];
         if (test.test->phase.empty() || test.test->phase[reading] == "loading") {
             out.rmse_loading += e * e;
             n_loading += 1;
@@ -65,22 +66,27 @@ CurveError curve_error(const CampaignTest& test, const Eigen::VectorXd& simulate
 
 json tests_result(const Campaign& campaign, const Eigen::VectorXd& simulated) {
     json tests = json::array();
-    for (const CampaignTest& test : campaign.tests()) {
-        const CurveError error = curve_error(test, simulated);
-        json entry{{"kind", to_string(test.test->kind)},
-                   {"file", test.test->file},
-                   {"channel", "axial_strain"},
+    for (const CampaignCurve& curve : campaign.curves()) {
+        const lab_data::Test& test = *curve.test->test;
+        const CurveError error = curve_error(curve, simulated);
+        json entry{{"kind", to_string(test.kind)},
+                   {"file", test.file},
+                   {"channel", curve.channel->name},
                    {"rmse", error.rmse},
-                   {"rmse_loading", error.rmse_loading},
                    {"mean_error", error.mean_error},
-                   {"unit", "m/m"},
+                   {"unit", curve.channel->unit},
                    {"r", nullptr},
-                   {"points", test.readings.size()},
-                   {"held_out", test.held_out}};
+                   {"points", curve.count()},
+                   {"held_out", curve.test->held_out}};
+        if (test.kind == lab_data::TestKind::oedometer) entry["rmse_loading"] = error.rmse_loading;
         if (error.pearson_r) entry["r"] = *error.pearson_r;
         tests.push_back(std::move(entry));
     }
     return tests;
+}
+
+std::string readable(double value, std::string_view unit) {
+    return unit == "Pa" ? fmt::format("{:.3g} kPa", value / 1000) : fmt::format("{:.2e} {}", value, unit);
 }
 
 void print_result(const Settings& settings, const json& result, const std::string& text) {

@@ -60,12 +60,19 @@ json parameters_document(const Campaign& campaign) {
 std::string table(const json& tests, const json& warnings, const std::string& report) {
     std::string text;
     for (const json& test : tests) {
-        text += fmt::format("{}\n{:>14} {:>12} {:>12}\n", test["file"].get<std::string>(), "stress (kPa)",
-                            "measured", "simulated");
+        const bool staged = test["x_unit"] == "Pa", stress = test["unit"] == "Pa";
+        const double x_unit = staged ? 1000 : 1, unit = stress ? 1000 : 1;
+        text += fmt::format("{}{}\n{:>14} {:>12} {:>12}\n", test["file"].get<std::string>(),
+                            staged   ? ""
+                            : stress ? " deviatoric_stress (kPa)"
+                                     : " " + test["channel"].get<std::string>(),
+                            staged ? "stress (kPa)" : "axial strain", "measured", "simulated");
         for (std::size_t k = 0; k < test["x"].size(); ++k)
-            text += fmt::format("{:>14.4g} {:>12.6f} {:>12.6f}\n", test["x"][k].get<double>() / 1000,
-                                test["measured"][k].get<double>(), test["simulated"][k].get<double>());
-        text += fmt::format("error {:.2e} m/m, {} readings\n", test["rmse"].get<double>(),
+            text += fmt::format("{:>14.4g} {:>12.6f} {:>12.6f}\n", test["x"][k].get<double>() / x_unit,
+                                test["measured"][k].get<double>() / unit,
+                                test["simulated"][k].get<double>() / unit);
+        text += fmt::format("error {}, {} readings\n",
+                            readable(test["rmse"].get<double>(), test["unit"].get<std::string>()),
                             test["points"].get<std::size_t>());
     }
     for (const json& warning : warnings) text += fmt::format("warning: {}\n", warning.get<std::string>());
@@ -88,7 +95,7 @@ int run_simulate(const Settings& settings) {
     std::vector<std::string> warnings = sample.warnings;
     for (const auto& more : {campaign.warnings(), unset_warnings(campaign)})
         warnings.insert(warnings.end(), more.begin(), more.end());
-    if (const std::string text = density_warning(campaign, runs); !text.empty()) warnings.push_back(text);
+    for (std::string& text : density_warnings(campaign, runs)) warnings.push_back(std::move(text));
     json result = common_result(settings, sample.name, campaign, warnings);
     result["tests"] = tests_result(campaign, simulated);
     json document = result;

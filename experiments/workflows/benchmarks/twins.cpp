@@ -86,9 +86,10 @@ int bench_twins(const Settings& given) {
             const double y = twins[k].outputs[m], sd = std::hypot(relative_noise * y, absolute_noise);
             measured[m] = y + sd * normal(settings.seed, 1000 * k + static_cast<std::uint64_t>(m));
         }
-        const OutputTransform transform = transform_for(observed[k]);
-        if (!trained.contains(transform.scale))
-            trained.emplace(transform.scale, train_emulator(training, space, columns, transform, settings));
+        const double scale = transform_for(observed[k]).scale;
+        if (!trained.contains(scale))
+            trained.emplace(scale,
+                            train_emulator(training, space, columns, transforms_of(observed[k]), settings));
     }
     std::vector<std::optional<Outcome>> outcomes(twins.size());
 #pragma omp parallel for schedule(dynamic)

@@ -86,6 +86,22 @@ class Calibrate(RunTest):
         checked = subprocess.run([PROGRAM, "check", self.folder / "first/config.toml"], capture_output=True, text=True, check=False)
         self.assertEqual(checked.returncode, 0, checked.stderr)
 
+    def test_all_kinds_of_test_at_once_and_one_held_out(self):
+        held_out = "triaxial_drained_200kPa.csv"
+        run = self.run_it("calibrate", "joint", "--tests", "oedometer,triaxial", "--hold-out", held_out)
+        self.assertEqual(run.returncode, 0, run.error)
+        self.assertIn("triaxial_drained_50kPa.csv deviatoric_stress: error of direct DEM runs", run.output)
+        tests = self.result("joint")["tests"]
+        self.assertEqual([(t["kind"], t["channel"], t["unit"]) for t in tests[:3]],
+                         [("oedometer", "axial_strain", "m/m"), ("triaxial", "deviatoric_stress", "Pa"),
+                          ("triaxial", "volumetric_strain", "m/m")])
+        self.assertEqual(len(tests), 7)
+        self.assertEqual({t["file"] for t in tests if t["held_out"]}, {held_out})
+        report = json.loads((self.folder / "joint/report.json").read_text(encoding="utf-8"))["tests"]
+        for test in report:
+            self.assertEqual({len(test[key]) for key in ("x", "phase", "measured", "simulated")}, {test["points"]})
+            self.assertEqual("band_lower" in test, not test["held_out"])
+
     def test_interrupted_and_taken_up(self):
         whole = self.run_it("calibrate", "whole")
         self.assertEqual(whole.returncode, 0, whole.error)

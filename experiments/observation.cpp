@@ -1,0 +1,174 @@
+#include "experiments/observation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+namespace loam::experiments {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+/// What is assumed of a channel's noise. Lengths of numbers are in the channel's unit: 1, or the cell
+/// pressure.
+struct ChannelModel {
+    lab_data::TestKind kind;
+    std::string_view channel;
+    bool per_cell_pressure;
+    std::optional<OutputTransform> transform;  // its scale in the unit
+    double relative, floor;
+    double tolerable_difference;
+    bool correlated;
+    surrogate::Prior misfit;
+};
+
+const ChannelModel channel_models[] = {
+    // The resolution: De Pue et al. 2019 read strain to 5e-5. Misfit: a few 1e-4 where the model follows
+    // well,
+    // up to several percent where it does not.
+    {lab_data::TestKind::oedometer,
+     "axial_strain",
+     false,
+     std::nullopt,
+     0.01,
+     5e-5,
+     2.5e-3,
+     false,
+     {surrogate::PriorKind::lognormal, -3.5, 0.5, 2e-5, 0.05}},
+    // ln(1 + q/p) is the logarithm of the stress ratio. Misfit: some percent of the cell pressure.
+    {lab_data::TestKind::triaxial,
+     "deviatoric_stress",
+     true,
+     OutputTransform{1, false},
+     0.01,
+     5e-3,
+     0.05,
+     true,
+     {surrogate::PriorKind::lognormal, -1.3, 0.5, 1e-3, 1}},
+    // Changes its sign. Burettes read it to some 1e-4.
+    {lab_data::TestKind::triaxial,
+     "volumetric_strain",
+     false,
+     OutputTransform{0.01, true},
+     0.01,
+     2e-4,
+     2.5e-3,
+     true,
+     {surrogate::PriorKind::lognormal, -2.5, 0.5, 1e-4, 0.1}},
+};
+
+const ChannelModel& model_of(lab_data::TestKind kind, std::string_view channel) {
+    for (const ChannelModel& model : channel_models)
+        if (model.kind == kind && model.channel == channel) return model;
+    throw std::logic_error("no model of the noise of channel " + std::string(channel));
+}
+
+/// Places along a curve over strain, by the root of strain: it bends most at its start.
+VectorXd places(const CampaignTest& test) {
+    const VectorXd x = test.measured(test.kind->x_name);
+    return (x / x[x.size() - 1]).cwiseMax(0.0).cwiseSqrt();
+}
+
+/// Adds one channel of a test. `used` are the models met so far, in the order of the misfits.
+void append_curve(const CampaignTest& test, std::size_t channel, int specimen,
+                  std::vector<const ChannelModel*>& used, Observation& out) {
+    const std::string name(test.kind->channels[channel].name);
+    const ChannelModel& model = model_of(test.test->kind, name);
+    auto met = std::ranges::find(used, &model);
+    if (met == used.end()) {
+        out.misfit_priors.push_back(model.misfit);
+        met = used.insert(used.end(), &model);
+    }
+    ObservedCurve curve;
+    curve.first = out.measured.size();
+    curve.count = static_cast<Index>(test.readings.size());
+    curve.test = specimen;
+    curve.unit = model.per_cell_pressure ? test.test->cell_pressure : 1.0;
+    curve.transform = model.transform;
+    if (curve.transform) curve.transform->scale *= curve.unit;
+    curve.relative = model.relative;
+    curve.floor = model.floor;
+    curve.tolerable_difference = model.tolerable_difference;
+    curve.misfit = met - used.begin();
+    if (model.correlated) curve.along = places(test);
+    out.curves.push_back(curve);
+
+    const auto stated = test.test->measurement_sd.find(name);
+    const double sd =
+        stated == test.test->measurement_sd.end() ? std::numeric_limits<double>::quiet_NaN() : stated->second;
+    out.measured.conservativeResize(curve.first + curve.count);
+    out.measured.tail(curve.count) = test.measured(name);
+    out.sd->conservativeResize(curve.first + curve.count);
+    out.sd->tail(curve.count).setConstant(sd);
+}
+
+OutputTransform transform_up_to(double largest) {
+    OutputTransform transform;
+    while (16 * transform.scale <= largest) transform.scale *= 4;
+    return transform;
+}
+
+}  // namespace
+
+double OutputTransform::forward(double y) const {
+    return linear ? y / scale : std::log1p(std::max(y / scale, -0.9));
+}
+double OutputTransform::inverse(double t) const {
+    return linear ? scale * t : scale * std::expm1(t);
+}
+double OutputTransform::derivative(double y) const {
+    return linear ? 1 / scale : 1 / (scale + std::max(y, -0.9 * scale));
+}
+
+OutputTransform transform_for(const Observation& observation) {
+    return transform_up_to(observation.measured.maxCoeff());
+}
+
+std::vector<ObservedCurve> curves_of(const Observation& observation) {
+    if (!observation.curves.empty()) return observation.curves;
+    ObservedCurve all;
+    all.count = observation.measured.size();
+    all.relative = observation.relative;
+    all.floor = observation.floor;
+    return {all};
+}
+
+std::vector<surrogate::Prior> misfit_priors_of(const Observation& observation) {
+    if (!observation.misfit_priors.empty()) return observation.misfit_priors;
+    return {model_of(lab_data::TestKind::oedometer, "axial_strain").misfit};
+}
+
+std::vector<OutputTransform> transforms_of(const Observation& observation) {
+    std::vector<OutputTransform> out;
+    for (const ObservedCurve& curve : curves_of(observation))
+        out.insert(out.end(), static_cast<std::size_t>(curve.count),
+                   curve.transform.value_or(
+                       transform_up_to(observation.measured.segment(curve.first, curve.count).maxCoeff())));
+    return out;
+}
+
+Observation observation_of(const Campaign& campaign, std::vector<Index>& columns) {
+    const Settings& settings = campaign.settings();
+    Observation out;
+    out.sd.emplace();
+    std::vector<const ChannelModel*> used;
+    columns.clear();
+    for (std::size_t t = 0; t < campaign.tests().size(); ++t) {
+        const CampaignTest& test = campaign.tests()[t];
+        if (test.held_out) continue;
+        for (Index k = 0; k < test.outputs(); ++k) columns.push_back(test.first + k);
+        for (std::size_t c = 0; c < test.kind->channels.size(); ++c)
+            append_curve(test, c, static_cast<int>(t), used, out);
+    }
+    // A real specimen averages over countless grains; a synthetic one scatters like the packing that it is.
+    const int grains = settings.calibration.specimen_particles;
+    out.packing_share = grains > 0            ? static_cast<double>(settings.particles) / grains
+                        : campaign.measured() ? 0.0
+                                              : 1.0;
+    return out;
+}
+
+}  // namespace loam::experiments

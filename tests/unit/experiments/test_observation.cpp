@@ -1,0 +1,89 @@
+// What the likelihood is told of the readings: their scales, the misfit's correlation along a curve,
+// specimens.
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+
+#include "experiments/lab_tests/triaxial.hpp"
+#include "experiments/likelihood_terms.hpp"
+#include "experiments/observation.hpp"
+#include "lab_data/sample.hpp"
+
+namespace loam::experiments {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// A curve of n readings of the same value whose misfit is correlated.
+Observation even_curve(Index n) {
+    Observation o;
+    o.measured = VectorXd::Constant(n, 0.1);
+    ObservedCurve curve;
+    curve.count = n;
+    curve.transform = OutputTransform{1, true};
+    curve.along = VectorXd::LinSpaced(n, 0, 1);
+    o.curves = {curve};
+    return o;
+}
+
+TEST(Observation, ALinearTransformKeepsTheSign) {
+    const OutputTransform t{0.01, true};
+    EXPECT_DOUBLE_EQ(t.forward(-0.02), -2);
+    EXPECT_DOUBLE_EQ(t.inverse(-2), -0.02);
+    EXPECT_DOUBLE_EQ(t.derivative(-0.02), 100);
+}
+
+TEST(Observation, ManyReadingsOfACurveWeighNoMoreThanEnough) {
+    const auto information = [](Index n) {  // on a shift of the whole curve
+        const Observation o = even_curve(n);
+        MatrixXd c = MatrixXd::Zero(n, n);
+        ReadingNoise(o, transforms_of(o)).add(VectorXd::Constant(1, 0.01), c);
+        return VectorXd::Ones(n).dot(c.llt().solve(VectorXd::Ones(n)));
+    };
+    EXPECT_GT(information(10), information(4));
+    EXPECT_NEAR(information(400) / information(10), 1, 0.1);
+}
+
+TEST(Observation, SpecimensShareNoPackingNoise) {
+    Observation o = even_curve(4);
+    ObservedCurve half = o.curves[0];
+    half.count = 2;
+    half.along = Eigen::Vector2d(0, 1);
+    ObservedCurve other = half;
+    other.first = 2;
+    o.curves = {half, other};
+    const MatrixXd noise = MatrixXd::Constant(4, 4, 3.0);
+    EXPECT_EQ(ReadingNoise(o, transforms_of(o)).of_specimens(noise), noise);  // two channels of one test
+    o.curves[1].test = 1;
+    const MatrixXd apart = ReadingNoise(o, transforms_of(o)).of_specimens(noise);
+    EXPECT_EQ(apart(0, 1), 3);
+    EXPECT_EQ(apart(2, 3), 3);
+    EXPECT_TRUE(apart.topRightCorner(2, 2).isZero(0));
+}
+
+TEST(TriaxialReadings, AreFewWellSpreadAndHoldThePeak) {
+    const lab_data::Sample sand =
+        lab_data::read_sample(std::string(LOAM_SOURCE_DIR) + "/lab_data/sets/dobrany_sand");
+    for (const lab_data::Test& test : sand.tests) {
+        if (test.kind != lab_data::TestKind::triaxial) continue;
+        const std::vector<std::size_t> used = triaxial_readings(test);
+        const auto &strain = test.column("axial_strain"), &stress = test.column("deviatoric_stress");
+        EXPECT_GE(used.size(), 12u);
+        EXPECT_LE(used.size(), 16u);
+        double before = 0, peak = 0;
+        for (const std::size_t k : used) {
+            EXPECT_GT(strain[k], before);
+            before = strain[k];
+            peak = std::max(peak, stress[k]);
+        }
+        EXPECT_EQ(peak, *std::ranges::max_element(stress));
+        EXPECT_LT(strain[used.front()], 0.01 * strain[used.back()]);
+        EXPECT_GE(before, 0.99 * *std::ranges::max_element(strain));
+    }
+}
+
+}  // namespace
+}  // namespace loam::experiments
