@@ -25,9 +25,20 @@ lab_data::UserError no_reading(const lab_data::Test& test) {
         return lab_data::UserError({.file = test.file,
                                     .constraint = "has no reading beyond the seating stress",
                                     .remedy = "give further stages, or a lower seating_stress_kPa"});
+    if (test.kind == lab_data::TestKind::direct_shear)
+        return lab_data::UserError(
+            {.file = test.file,
+             .constraint = "has no reading at a displacement between 0 and 0.4 of the box's length",
+             .remedy = "give readings with rising shear_displacement"});
     return lab_data::UserError({.file = test.file,
                                 .constraint = "has no reading at an axial strain between 0 and 0.5",
                                 .remedy = "give readings with rising axial_strain, compression positive"});
+}
+
+/// Packing files hold periodic cells: what lies in a box cannot be loaded from them.
+bool can_take_the_packing(const Settings& settings, const lab_data::Sample& sample,
+                          const lab_data::Test& test, const LabTestKind& kind) {
+    return settings.packing.empty() || !kind.shape(settings, sample, test, 0.4, 700).proportions;
 }
 
 std::vector<CampaignTest> select_tests(const Settings& settings, const lab_data::Sample& sample,
@@ -36,16 +47,16 @@ std::vector<CampaignTest> select_tests(const Settings& settings, const lab_data:
     Eigen::Index first = 0;
     for (const lab_data::Test& test : sample.tests) {
         if (!wanted(settings, test)) continue;
-        const LabTestKind* kind = find_lab_test(test.kind);
-        if (kind == nullptr) {
-            const std::string text =
-                fmt::format("tests of kind {} cannot be simulated yet", to_string(test.kind));
+        const LabTestKind* kind = &lab_test(test.kind);
+        if (!can_take_the_packing(settings, sample, test, *kind)) {
             if (!settings.tests.empty())
-                throw lab_data::UserError({.column = "--tests",
-                                           .value = std::string(to_string(test.kind)),
-                                           .constraint = "cannot be simulated yet",
-                                           .remedy = "use --tests oedometer,triaxial"});
-            warnings.push_back(fmt::format("{} is left out: {}", test.file, text));
+                throw lab_data::UserError({.column = "--packing",
+                                           .value = settings.packing.string(),
+                                           .constraint = "is a periodic cell, but the specimen of " +
+                                                         test.file + " lies between walls",
+                                           .remedy = "leave --packing out, or use --tests oedometer"});
+            warnings.push_back(fmt::format(
+                "{} is left out: its specimen lies between walls, the packing given does not", test.file));
             continue;
         }
         CampaignTest entry{&test, kind, kind->readings(test), first, false, target_porosity(settings, test)};
@@ -59,8 +70,8 @@ std::vector<CampaignTest> select_tests(const Settings& settings, const lab_data:
     }
     if (out.empty())
         throw lab_data::UserError({.file = sample.folder.string(),
-                                   .constraint = "has no test that is asked for and can be simulated",
-                                   .remedy = "an oedometer or triaxial test is needed; see --tests"});
+                                   .constraint = "has no test of the kinds asked for",
+                                   .remedy = "leave --tests out, or name kinds that the sample has"});
     return out;
 }
 
@@ -108,6 +119,11 @@ EnsembleHeader make_header(const Settings& settings, const ParameterSpace& space
     a["haste"] = fmt::format("{}", settings.engine.haste);
     a["fragile"] = settings.engine.fragile ? "true" : "false";
     a["interaction_range"] = fmt::format("{}", settings.engine.interaction_range);
+    a["triaxial_boundary"] = settings.triaxial.boundary;
+    a["box_diameters"] = settings.direct_shear.box_diameters
+                             ? fmt::format("{}", *settings.direct_shear.box_diameters)
+                             : "as measured";
+    a["gap_diameters"] = fmt::format("{}", settings.direct_shear.gap_diameters);
     for (const CampaignTest& test : tests)
         a["specimen_porosity " + test.test->file] = fmt::format("{}", test.porosity);
     return header;
@@ -136,6 +152,7 @@ Eigen::VectorXd CampaignTest::measured(std::string_view column) const {
 Campaign::Campaign(const Settings& settings, const lab_data::Sample& sample,
                    const std::filesystem::path& folder, RunLog* log, const CampaignOptions& options)
     : settings_(settings),
+      sample_(&sample),
       options_(options),
       space_(parameter_space(settings)),
       tests_(select_tests(settings, sample, warnings_)),
@@ -146,7 +163,10 @@ Campaign::Campaign(const Settings& settings, const lab_data::Sample& sample,
       store_(folder, make_header(settings, space_, tests_, grain_density_, options)),
       log_(log) {
     for (const CampaignTest& test : tests_) outputs_ += test.outputs();
-    if (!settings.packing.empty()) given_packing_ = load_packing(settings.packing);
+    if (settings.packing.empty()) return;
+    engine::Packing packing = load_packing(settings.packing);
+    const double porosity = packing.porosity();
+    given_ = std::make_shared<const Specimen>(Specimen{std::move(packing), std::nullopt, porosity});
 }
 
 std::vector<CampaignCurve> Campaign::curves() const {
@@ -163,18 +183,16 @@ double Campaign::porosity_of(const CampaignTest& test, const RunSpec& spec) cons
     return void_ratio / (1 + void_ratio);
 }
 
-engine::Packing Campaign::packing_of(const CampaignTest& test, const RunSpec& spec, const StopToken& stop) {
-    if (given_packing_) return *given_packing_;
-    return specimens_.get(porosity_of(test, spec), spec.particles, spec.packing_seed, stop)->packing;
+std::shared_ptr<const Specimen> Campaign::specimen_of(const CampaignTest& test, const RunSpec& spec,
+                                                      const StopToken& stop) {
+    if (given_) return given_;
+    const double porosity = porosity_of(test, spec);
+    const SpecimenShape shape = test.kind->shape(settings_, *sample_, *test.test, porosity, spec.particles);
+    return specimens_.get(porosity, shape, spec.packing_seed, stop);
 }
 
-std::shared_ptr<const engine::PackingResult> Campaign::specimen(const CampaignTest& test,
-                                                                const RunSpec& spec) {
-    return specimens_.get(porosity_of(test, spec), spec.particles, spec.packing_seed, SignalScope::token());
-}
-
-engine::Packing Campaign::packing(const RunSpec& spec) {
-    return packing_of(tests_.front(), spec, SignalScope::token());
+std::shared_ptr<const Specimen> Campaign::specimen(const CampaignTest& test, const RunSpec& spec) {
+    return specimen_of(test, spec, SignalScope::token());
 }
 
 RunRecord Campaign::simulate(const RunSpec& spec, const StopToken& stop) {
@@ -183,9 +201,9 @@ RunRecord Campaign::simulate(const RunSpec& spec, const StopToken& stop) {
     record.diagnostics = Eigen::VectorXd::Zero(diagnostic_count);
     record.ok = true;
     for (const CampaignTest& test : tests_) {
-        const engine::Packing packing = packing_of(test, spec, stop);
+        const auto specimen = specimen_of(test, spec, stop);
         const engine::ContactLaw law = contact_law(settings_, spec.parameters);
-        VirtualTestResult result = test.kind->run(packing, law, settings_, grain_density_, *test.test, [&] {
+        VirtualTestResult result = test.kind->run(*specimen, law, settings_, grain_density_, *test.test, [&] {
             stop.throw_if_requested();
             return false;
         });
@@ -196,7 +214,7 @@ RunRecord Campaign::simulate(const RunSpec& spec, const StopToken& stop) {
         worst(servo_error, result.servo_error);
         worst(overlap, result.overlap);
         worst(energy_error, result.energy_error);
-        worst(porosity, packing.porosity());
+        worst(porosity, specimen->porosity);
         d[steps] += result.steps;
         if (result.ok && result.unbalanced_ratio > largest_unbalanced_ratio) {
             result.ok = false;

@@ -89,10 +89,8 @@ class Campaign {
     /// specs.
     std::vector<RunRecord> run(std::string_view title, std::span<const RunSpec> specs);
 
-    /// The packing of a test of that run.
-    std::shared_ptr<const engine::PackingResult> specimen(const CampaignTest& test, const RunSpec& spec);
-    /// What that run's first test was made of: its packing, or the one that the settings name.
-    engine::Packing packing(const RunSpec& spec);
+    /// What a test of that run is made on: a packing of its own, or the one that the settings name.
+    std::shared_ptr<const Specimen> specimen(const CampaignTest& test, const RunSpec& spec);
     double grain_density() const { return grain_density_; }
     /// Whether the sample is a real soil, whose grains are countless, or synthetic.
     bool measured() const { return measured_; }
@@ -100,17 +98,19 @@ class Campaign {
   private:
     RunRecord simulate(const RunSpec& spec, const StopToken& stop);
     double porosity_of(const CampaignTest& test, const RunSpec& spec) const;
-    engine::Packing packing_of(const CampaignTest& test, const RunSpec& spec, const StopToken& stop);
+    std::shared_ptr<const Specimen> specimen_of(const CampaignTest& test, const RunSpec& spec,
+                                                const StopToken& stop);
 
     Settings settings_;
+    const lab_data::Sample* sample_;
     CampaignOptions options_;
     ParameterSpace space_;
+    std::vector<std::string> warnings_;  // before the tests, whose selection adds to it
     std::vector<CampaignTest> tests_;
     Eigen::Index outputs_ = 0;
     double grain_density_ = 0;
     bool measured_ = true;
-    std::vector<std::string> warnings_;
-    std::optional<engine::Packing> given_packing_;
+    std::shared_ptr<const Specimen> given_;  // by the settings
     SpecimenPool specimens_;
     EnsembleStore store_;
     RunLog* log_;

@@ -12,12 +12,28 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-/// What is assumed of a channel's noise. Lengths of numbers are in the channel's unit: 1, or the cell
-/// pressure.
+/// What a channel's numbers are given over.
+enum class Unit { si, cell_pressure, normal_stress, box_height };
+
+double value_of(Unit unit, const lab_data::Test& test) {
+    switch (unit) {
+        case Unit::cell_pressure:
+            return test.cell_pressure;
+        case Unit::normal_stress:
+            return test.normal_stress;
+        case Unit::box_height:
+            return test.box_height;
+        case Unit::si:
+            break;
+    }
+    return 1;
+}
+
+/// What is assumed of a channel's noise; numbers are over its unit.
 struct ChannelModel {
     lab_data::TestKind kind;
     std::string_view channel;
-    bool per_cell_pressure;
+    Unit unit;
     std::optional<OutputTransform> transform;  // its scale in the unit
     double relative, floor;
     double tolerable_difference;
@@ -27,11 +43,10 @@ struct ChannelModel {
 
 const ChannelModel channel_models[] = {
     // The resolution: De Pue et al. 2019 read strain to 5e-5. Misfit: a few 1e-4 where the model follows
-    // well,
-    // up to several percent where it does not.
+    // well, up to several percent where it does not.
     {lab_data::TestKind::oedometer,
      "axial_strain",
-     false,
+     Unit::si,
      std::nullopt,
      0.01,
      5e-5,
@@ -41,7 +56,7 @@ const ChannelModel channel_models[] = {
     // ln(1 + q/p) is the logarithm of the stress ratio. Misfit: some percent of the cell pressure.
     {lab_data::TestKind::triaxial,
      "deviatoric_stress",
-     true,
+     Unit::cell_pressure,
      OutputTransform{1, false},
      0.01,
      5e-3,
@@ -51,7 +66,26 @@ const ChannelModel channel_models[] = {
     // Changes its sign. Burettes read it to some 1e-4.
     {lab_data::TestKind::triaxial,
      "volumetric_strain",
-     false,
+     Unit::si,
+     OutputTransform{0.01, true},
+     0.01,
+     2e-4,
+     2.5e-3,
+     true,
+     {surrogate::PriorKind::lognormal, -2.5, 0.5, 1e-4, 0.1}},
+    {lab_data::TestKind::direct_shear,
+     "shear_stress",
+     Unit::normal_stress,
+     OutputTransform{1, false},
+     0.01,
+     5e-3,
+     0.025,
+     true,
+     {surrogate::PriorKind::lognormal, -1.5, 0.5, 1e-3, 0.5}},
+    // As the volumetric strain of a triaxial test.
+    {lab_data::TestKind::direct_shear,
+     "settlement",
+     Unit::box_height,
      OutputTransform{0.01, true},
      0.01,
      2e-4,
@@ -86,7 +120,7 @@ void append_curve(const CampaignTest& test, std::size_t channel, int specimen,
     curve.first = out.measured.size();
     curve.count = static_cast<Index>(test.readings.size());
     curve.test = specimen;
-    curve.unit = model.per_cell_pressure ? test.test->cell_pressure : 1.0;
+    curve.unit = value_of(model.unit, *test.test);
     curve.transform = model.transform;
     if (curve.transform) curve.transform->scale *= curve.unit;
     curve.relative = model.relative;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 #include "lab_data/packing_file.hpp"
 
@@ -13,11 +14,33 @@ double target_porosity(const Settings& settings, const lab_data::Test& test) {
     return engine::PackingOptions{}.target_porosity;
 }
 
-std::shared_ptr<const engine::PackingResult> SpecimenPool::get(double porosity, std::uint32_t particles,
-                                                               std::uint64_t seed, const StopToken& stop) {
-    const Key key{porosity, particles, seed};
-    std::promise<Packing> promise;
-    std::shared_future<Packing> future;
+Specimen SpecimenPool::make(double porosity, const SpecimenShape& shape, std::uint64_t seed,
+                            const StopToken& stop) const {
+    engine::BoxedPackingOptions options;
+    options.particles = shape.particles;
+    options.size_spread = settings_.specimen.size_spread;
+    options.stress = 1000 * settings_.specimen.preparation_stress_kPa;
+    // Beyond what spheres can reach, the nearest reachable packing is made; its porosity is reported.
+    options.target_porosity = std::clamp(porosity, 0.06, 0.59);
+    options.seed = seed;
+    const auto cancelled = [&] { return stop.stop_requested(); };
+    if (!shape.proportions) {
+        engine::PackingResult made = engine::make_packing(options, cancelled);
+        return {std::move(made.packing), std::nullopt, made.porosity, made.reached, made.stopped_by};
+    }
+    options.proportions = *shape.proportions;
+    engine::BoxedPackingResult made = engine::make_boxed_packing(options, cancelled);
+    return {std::move(made.packing), made.box, made.porosity, made.reached, made.stopped_by};
+}
+
+std::shared_ptr<const Specimen> SpecimenPool::get(double porosity, const SpecimenShape& shape,
+                                                  std::uint64_t seed, const StopToken& stop) {
+    Key key{porosity, shape.particles, {}, seed};
+    if (shape.proportions)
+        for (int axis = 0; axis < 3; ++axis)
+            key.proportions[static_cast<std::size_t>(axis)] = (*shape.proportions)[axis];
+    std::promise<Made> promise;
+    std::shared_future<Made> future;
     bool mine = false;
     {
         const std::lock_guard lock(mutex_);
@@ -33,15 +56,7 @@ std::shared_ptr<const engine::PackingResult> SpecimenPool::get(double porosity, 
     }
     if (!mine) return future.get();
     try {
-        engine::PackingOptions options;
-        options.particles = particles;
-        options.size_spread = settings_.specimen.size_spread;
-        options.stress = 1000 * settings_.specimen.preparation_stress_kPa;
-        // Beyond what spheres can reach, the nearest reachable packing is made; its porosity is reported.
-        options.target_porosity = std::clamp(porosity, 0.06, 0.59);
-        options.seed = seed;
-        promise.set_value(std::make_shared<const engine::PackingResult>(
-            engine::make_packing(options, [&] { return stop.stop_requested(); })));
+        promise.set_value(std::make_shared<const Specimen>(make(porosity, shape, seed, stop)));
     } catch (...) {
         if (stop.stop_requested()) {
             promise.set_exception(std::make_exception_ptr(Interrupted()));

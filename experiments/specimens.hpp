@@ -1,14 +1,15 @@
 // Specimens: packings made once for each porosity, size and seed, however many runs and threads ask for them.
 #pragma once
 
+#include <array>
 #include <deque>
 #include <future>
 #include <map>
 #include <memory>
 #include <mutex>
 
-#include "engine/packing.hpp"
 #include "experiments/ensemble/stop_token.hpp"
+#include "experiments/lab_tests/registry.hpp"
 #include "experiments/settings/settings.hpp"
 #include "lab_data/sample.hpp"
 
@@ -22,25 +23,29 @@ class SpecimenPool {
   public:
     explicit SpecimenPool(const Settings& settings) : settings_(settings) {}
 
-    /// The packing of that porosity, number of particles and seed; made by the first thread that asks,
-    /// awaited by the others. Throws Interrupted, and what make_packing throws.
-    std::shared_ptr<const engine::PackingResult> get(double porosity, std::uint32_t particles,
-                                                     std::uint64_t seed, const StopToken& stop);
+    /// The specimen of that porosity, shape and seed; made by the first thread that asks, awaited by the
+    /// others. Throws Interrupted, and what make_packing and make_boxed_packing throw.
+    std::shared_ptr<const Specimen> get(double porosity, const SpecimenShape& shape, std::uint64_t seed,
+                                        const StopToken& stop);
 
   private:
     struct Key {
         double porosity;
         std::uint32_t particles;
+        std::array<double, 3> proportions;  // 0: periodic
         std::uint64_t seed;
         auto operator<=>(const Key&) const = default;
     };
-    using Packing = std::shared_ptr<const engine::PackingResult>;
+    using Made = std::shared_ptr<const Specimen>;
+
+    Specimen make(double porosity, const SpecimenShape& shape, std::uint64_t seed,
+                  const StopToken& stop) const;
 
     static constexpr std::size_t most_kept = 1024;
 
     const Settings& settings_;
     std::mutex mutex_;
-    std::map<Key, std::shared_future<Packing>> made_;
+    std::map<Key, std::shared_future<Made>> made_;
     std::deque<Key> order_;  // of being made: beyond most_kept the oldest is forgotten
 };
 

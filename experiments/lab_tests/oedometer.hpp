@@ -68,11 +68,11 @@ OedometerResult run_oedometer(engine::Simulation& simulation, const engine::Cont
 // zero by definition, is not simulated; of a phase with more than 40 readings 40 are used, evenly spread over
 // log stress.
 std::vector<std::size_t> oedometer_readings(const lab_data::Test& test);
-VirtualTestResult run_measured_oedometer(const engine::Packing& packing, const engine::ContactLaw& law,
+VirtualTestResult run_measured_oedometer(const Specimen& specimen, const engine::ContactLaw& law,
                                          const Settings& settings, double grain_density,
                                          const lab_data::Test& test, const std::function<bool()>& cancelled);
 
-PictureOfTest picture_of_oedometer(const engine::Packing& packing, const engine::ContactLaw& law,
+PictureOfTest picture_of_oedometer(const Specimen& specimen, const engine::ContactLaw& law,
                                    const Settings& settings, double grain_density,
                                    const lab_data::Test& test);
 

@@ -62,10 +62,10 @@ std::vector<std::size_t> oedometer_readings(const lab_data::Test& test) {
     return used;
 }
 
-VirtualTestResult run_measured_oedometer(const engine::Packing& packing, const engine::ContactLaw& law,
+VirtualTestResult run_measured_oedometer(const Specimen& specimen, const engine::ContactLaw& law,
                                          const Settings& settings, double grain_density,
                                          const lab_data::Test& test, const std::function<bool()>& cancelled) {
-    engine::Simulation simulation(packing, law, simulation_options(settings, grain_density, true));
+    engine::Simulation simulation(specimen.packing, law, simulation_options(settings, grain_density, true));
     const OedometerResult run = run_oedometer(simulation, law, oedometer_options(settings, test), cancelled);
     VirtualTestResult result;
     result.ok = run.complete;
@@ -82,13 +82,13 @@ VirtualTestResult run_measured_oedometer(const engine::Packing& packing, const e
     return result;
 }
 
-PictureOfTest picture_of_oedometer(const engine::Packing& packing, const engine::ContactLaw& law,
+PictureOfTest picture_of_oedometer(const Specimen& specimen, const engine::ContactLaw& law,
                                    const Settings& settings, double grain_density,
                                    const lab_data::Test& test) {
     OedometerOptions options = oedometer_options(settings, test);
     const double highest = *std::ranges::max_element(options.stages);
     options.stages = {highest};
-    engine::Simulation simulation(packing, law, simulation_options(settings, grain_density, false));
+    engine::Simulation simulation(specimen.packing, law, simulation_options(settings, grain_density, false));
     run_oedometer(simulation, law, options);
     return {simulation.packing(), simulation.contacts(), simulation.measured().stress(2, 2)};
 }

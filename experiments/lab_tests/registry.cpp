@@ -1,7 +1,9 @@
 #include "experiments/lab_tests/registry.hpp"
 
 #include <array>
+#include <stdexcept>
 
+#include "experiments/lab_tests/direct_shear.hpp"
 #include "experiments/lab_tests/oedometer.hpp"
 #include "experiments/lab_tests/triaxial.hpp"
 
@@ -12,14 +14,26 @@ constexpr std::array oedometer_channels{TestChannel{"axial_strain", "m/m"}};
 constexpr std::array triaxial_channels{TestChannel{"deviatoric_stress", "Pa"},
                                        TestChannel{"volumetric_strain", "m/m"}};
 
+constexpr std::array direct_shear_channels{TestChannel{"shear_stress", "Pa"}, TestChannel{"settlement", "m"}};
+
+SpecimenShape periodic_cell(const Settings&, const lab_data::Sample&, const lab_data::Test&, double,
+                            std::uint32_t particles) {
+    return {particles};
+}
+
 const std::array table{
     LabTestKind{lab_data::TestKind::oedometer,
                 "zero lateral strain, axial stress in stages, unloading where measured", "axial_stress", "Pa",
-                true, oedometer_channels, oedometer_readings, run_measured_oedometer, picture_of_oedometer},
+                true, oedometer_channels, oedometer_readings, periodic_cell, run_measured_oedometer,
+                picture_of_oedometer},
     LabTestKind{lab_data::TestKind::triaxial,
                 "drained: isotropic consolidation, then axial compression at constant lateral stress",
-                "axial_strain", "m/m", false, triaxial_channels, triaxial_readings, run_measured_triaxial,
-                picture_of_triaxial},
+                "axial_strain", "m/m", false, triaxial_channels, triaxial_readings, triaxial_specimen,
+                run_measured_triaxial, picture_of_triaxial},
+    LabTestKind{lab_data::TestKind::direct_shear,
+                "box of rigid walls in two halves: loading by a platen, then shear at constant normal stress",
+                "shear_displacement", "m", false, direct_shear_channels, direct_shear_readings,
+                direct_shear_specimen, run_measured_direct_shear, picture_of_direct_shear},
 };
 
 }  // namespace
@@ -39,10 +53,10 @@ std::vector<OutputColumn> output_columns(const LabTestKind& kind, const lab_data
     return columns;
 }
 
-const LabTestKind* find_lab_test(lab_data::TestKind kind) {
+const LabTestKind& lab_test(lab_data::TestKind kind) {
     for (const LabTestKind& entry : table)
-        if (entry.kind == kind) return &entry;
-    return nullptr;
+        if (entry.kind == kind) return entry;
+    throw std::logic_error("a kind of test is missing from the table");
 }
 
 }  // namespace loam::experiments

@@ -3,16 +3,34 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
-#include "engine/packing.hpp"
+#include "engine/boxed_packing.hpp"
 #include "engine/simulation.hpp"
 #include "experiments/settings/settings.hpp"
 #include "experiments/store/header.hpp"
 #include "lab_data/sample.hpp"
 
 namespace loam::experiments {
+
+/// How a specimen is made: in a periodic cell, or between the walls of a box with sides in these proportions.
+struct SpecimenShape {
+    std::uint32_t particles = 0;
+    std::optional<Eigen::Vector3d> proportions{};
+    friend bool operator==(const SpecimenShape&, const SpecimenShape&) = default;
+};
+
+/// What a virtual test is made on.
+struct Specimen {
+    engine::Packing packing;
+    std::optional<engine::Box> box{};  // between whose walls it lies; empty: in its periodic cell
+    double porosity = 0;               // of the cell or box
+    bool reached = true;               // the porosity that was asked for
+    std::string stopped_by{};          // why not
+};
 
 /// What one virtual test gave, and how quasi-static it was.
 struct VirtualTestResult {
@@ -39,7 +57,7 @@ struct PictureOfTest {
 /// A measured quantity that a kind of test gives along its curve.
 struct TestChannel {
     std::string_view name;  // column of lab_data::Test
-    std::string_view unit;  // as results say it: "Pa", "m/m"
+    std::string_view unit;  // as results say it: "Pa", "m/m", "m"
 };
 
 struct LabTestKind {
@@ -51,12 +69,15 @@ struct LabTestKind {
     /// The readings of the measurement that are simulated, as indices into its columns (all of them, or a
     /// selection where a test has hundreds).
     std::vector<std::size_t> (*readings)(const lab_data::Test&);
-    /// Runs the test on the packing; throws what the engine throws, and std::runtime_error when cancelled.
-    VirtualTestResult (*run)(const engine::Packing&, const engine::ContactLaw&, const Settings&,
+    /// How the test's specimen is made at that porosity, where the settings ask for so many particles.
+    SpecimenShape (*shape)(const Settings&, const lab_data::Sample&, const lab_data::Test&, double porosity,
+                           std::uint32_t particles);
+    /// Runs the test on the specimen; throws what the engine throws, and std::runtime_error when cancelled.
+    VirtualTestResult (*run)(const Specimen&, const engine::ContactLaw&, const Settings&,
                              double grain_density, const lab_data::Test&,
                              const std::function<bool()>& cancelled);
-    /// The packing under the highest stress of the test.
-    PictureOfTest (*picture)(const engine::Packing&, const engine::ContactLaw&, const Settings&,
+    /// The packing under the highest stress of the test, or at its end.
+    PictureOfTest (*picture)(const Specimen&, const engine::ContactLaw&, const Settings&,
                              double grain_density, const lab_data::Test&);
 };
 
@@ -65,7 +86,7 @@ std::span<const LabTestKind> lab_test_kinds();
 /// The columns of a test's outputs in an ensemble: channel after channel, a column for each reading used.
 std::vector<OutputColumn> output_columns(const LabTestKind& kind, const lab_data::Test& test);
 
-/// The kind's entry, or nullptr where it cannot be simulated.
-const LabTestKind* find_lab_test(lab_data::TestKind kind);
+/// The kind's entry.
+const LabTestKind& lab_test(lab_data::TestKind kind);
 
 }  // namespace loam::experiments

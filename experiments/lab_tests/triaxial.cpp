@@ -5,6 +5,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "experiments/lab_tests/consolidation.hpp"
+
 namespace loam::experiments {
 namespace {
 
@@ -12,6 +14,11 @@ using engine::Measurement;
 using engine::Simulation;
 
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
+
+engine::ServoOptions steered(engine::ServoOptions servo, const TriaxialOptions& options) {
+    if (options.stress_of) servo.stress_of = options.stress_of;
+    return servo;
+}
 
 /// Axial compression in stretches of a few steps, with the rate chosen anew for each.
 class Compression {
@@ -22,7 +29,7 @@ class Compression {
           options_(options),
           result_(result),
           cancelled_(cancelled),
-          servo_({options.cell_pressure, options.cell_pressure, none}, options.lateral),
+          servo_({options.cell_pressure, options.cell_pressure, none}, steered(options.lateral, options)),
           height_(simulation.cell()(2, 2)),
           volume_(simulation.volume()) {}
 
@@ -51,12 +58,17 @@ class Compression {
     }
 
   private:
+    /// The cell follows the velocity gradient as walls do, so that its sides tell the strains of a box too.
     TriaxialReading read() const {
-        const Measurement& now = simulation_.measured();
-        const double lateral = 0.5 * (now.stress(0, 0) + now.stress(1, 1)), volume = simulation_.volume(),
-                     solid = simulation_.solid_volume();
-        return {1 - simulation_.cell()(2, 2) / height_, now.stress(2, 2) - lateral, 1 - volume / volume_,
-                (volume - solid) / solid, now.coordination_number};
+        const Eigen::Vector3d now = stress();
+        const double volume = simulation_.volume(), solid = simulation_.solid_volume();
+        return {1 - simulation_.cell()(2, 2) / height_, now[2] - 0.5 * (now[0] + now[1]),
+                1 - volume / volume_, (volume - solid) / solid, simulation_.measured().coordination_number};
+    }
+
+    Eigen::Vector3d stress() const {
+        return options_.stress_of ? options_.stress_of(simulation_)
+                                  : Eigen::Vector3d(simulation_.measured().stress.diagonal());
     }
 
     double inertial_rate(double inertial_number) const {
@@ -82,11 +94,11 @@ class Compression {
     void stretch() {
         if (cancelled_ && cancelled_()) throw std::runtime_error("cancelled");
         Eigen::Matrix3d gradient = Eigen::Matrix3d::Zero();
-        const double strain_rate = rate(), stress_before = simulation_.measured().stress(2, 2);
+        const double strain_rate = rate(), stress_before = stress()[2];
         gradient(2, 2) = -strain_rate;
         servo_.prescribe(gradient);
         const Measurement& now = servo_.advance(simulation_);
-        follow(std::abs(now.stress(2, 2) - stress_before) / options_.cell_pressure);
+        follow(std::abs(stress()[2] - stress_before) / options_.cell_pressure);
         look(now, strain_rate);
     }
 
@@ -101,8 +113,7 @@ class Compression {
             strain_rate, now.mean_stress, simulation_.mean_diameter(), simulation_.grain_density());
         result_.largest_inertial_number = std::max(result_.largest_inertial_number, inertial);
         result_.largest_overlap = std::max(result_.largest_overlap, now.max_overlap);
-        const Eigen::Array2d error =
-            (Eigen::Array2d(now.stress(0, 0), now.stress(1, 1)) / options_.cell_pressure - 1).abs();
+        const Eigen::Array2d error = (stress().head<2>().array() / options_.cell_pressure - 1).abs();
         result_.largest_lateral_error = std::max(result_.largest_lateral_error, error.maxCoeff());
         error_sum_ += error.mean();
         unbalanced_sum_ += now.unbalanced_ratio;
@@ -121,16 +132,8 @@ class Compression {
 bool consolidate_specimen(Simulation& simulation, const engine::ContactLaw& law,
                           const TriaxialOptions& options, TriaxialResult& result,
                           const std::function<bool()>& cancelled) {
-    if (options.seating_stiffness > 0) {
-        // Stiffening scales all forces at once; small factors let the packing expand without coming apart.
-        for (double modulus = options.seating_stiffness * options.cell_pressure;
-             modulus < law.young_modulus(); modulus *= 4) {
-            simulation.set_law(law.with_young_modulus(modulus));
-            consolidate(simulation, options.cell_pressure, options.servo, cancelled);
-        }
-    }
-    simulation.set_law(law);
-    const auto rest = consolidate(simulation, options.cell_pressure, options.servo, cancelled);
+    const auto rest = consolidate_with(simulation, law, options.cell_pressure, options.seating_stiffness,
+                                       steered(options.servo, options), cancelled);
     result.consolidation_error = rest.stress_error;
     result.consolidation_steps = simulation.steps();
     result.consolidated_porosity = simulation.porosity();

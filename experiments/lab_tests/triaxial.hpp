@@ -1,5 +1,5 @@
-// The virtual drained triaxial test in a periodic cell: isotropic consolidation to the cell pressure, then
-// axial compression at constant lateral stress.
+// The virtual drained triaxial test in a periodic cell or a box of rigid walls: isotropic consolidation to
+// the cell pressure, then axial compression at constant lateral stress.
 #pragma once
 
 #include <Eigen/Core>
@@ -27,6 +27,9 @@ struct TriaxialOptions {
     // as the oedometer seats (oedometer.hpp). 0: at once, for packings that were given.
     double seating_stiffness = 0;
     engine::ServoOptions servo;  // of the consolidation
+    /// The normal stresses that are steered and read (Pa), e.g. the pressures on the walls of a box; without
+    /// it Love-Weber's. The servos' own are replaced by it.
+    std::function<Eigen::Vector3d(const engine::Simulation&)> stress_of = {};
     // Of the lateral stress while the specimen is compressed; never slower than the compression needs.
     engine::ServoOptions lateral{.inertial_number = 2e-2, .relaxation_steps = 60, .measure_every = 5};
 
@@ -35,7 +38,7 @@ struct TriaxialOptions {
 
 struct TriaxialReading {
     double axial_strain = 0;       // engineering, from the height after consolidation
-    double deviatoric_stress = 0;  // axial minus mean lateral stress (Pa; Love-Weber)
+    double deviatoric_stress = 0;  // axial minus mean lateral stress (Pa)
     double volumetric_strain = 0;  // from the volume after consolidation, compression positive
     double void_ratio = 0;
     double coordination_number = 0;
@@ -63,16 +66,18 @@ struct TriaxialResult {
 TriaxialResult run_triaxial(engine::Simulation& simulation, const engine::ContactLaw& law,
                             const TriaxialOptions& options, const std::function<bool()>& cancelled = {});
 
-// The entries of the table of lab tests (registry.hpp). Of many readings 16 are used, evenly spread over the
-// root of axial strain, with the peak of the deviatoric stress among them; those where strain does not rise
-// are not simulated.
+// The entries of the table of lab tests (registry.hpp). Readings are chosen by spread_readings over axial
+// strain, with the peak of the deviatoric stress among them. The specimen is a periodic cell, or a cube of
+// walls where the settings say so.
 std::vector<std::size_t> triaxial_readings(const lab_data::Test& test);
-VirtualTestResult run_measured_triaxial(const engine::Packing& packing, const engine::ContactLaw& law,
+SpecimenShape triaxial_specimen(const Settings& settings, const lab_data::Sample& sample,
+                                const lab_data::Test& test, double porosity, std::uint32_t particles);
+VirtualTestResult run_measured_triaxial(const Specimen& specimen, const engine::ContactLaw& law,
                                         const Settings& settings, double grain_density,
                                         const lab_data::Test& test, const std::function<bool()>& cancelled);
 
 /// Under the peak deviatoric stress that was measured.
-PictureOfTest picture_of_triaxial(const engine::Packing& packing, const engine::ContactLaw& law,
+PictureOfTest picture_of_triaxial(const Specimen& specimen, const engine::ContactLaw& law,
                                   const Settings& settings, double grain_density, const lab_data::Test& test);
 
 }  // namespace loam::experiments

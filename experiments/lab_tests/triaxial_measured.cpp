@@ -3,29 +3,17 @@
 #include <cmath>
 
 #include "experiments/lab_tests/measured.hpp"
+#include "experiments/lab_tests/readings.hpp"
 #include "experiments/lab_tests/triaxial.hpp"
 
 namespace loam::experiments {
 namespace {
 
-constexpr std::size_t most_readings = 16;
 constexpr double largest_strain = 0.5;  // beyond it the cell gets too flat
 // A specimen that yields at constant stress follows a faster rate than one that is confined: at three times
 // the oedometer's inertial number the deviatoric stress is 0.2 % (rotations blocked) to 1 % (free) above that
 // at half of it.
 constexpr double inertial_number_factor = 3;
-
-/// The readings at rising, positive axial strain, in their order.
-std::vector<std::size_t> rising_readings(const std::vector<double>& strain) {
-    std::vector<std::size_t> out;
-    double highest = 0;
-    for (std::size_t k = 0; k < strain.size(); ++k) {
-        if (strain[k] <= highest || strain[k] > largest_strain) continue;
-        highest = strain[k];
-        out.push_back(k);
-    }
-    return out;
-}
 
 TriaxialOptions triaxial_options(const Settings& settings, const lab_data::Test& test) {
     TriaxialOptions options;
@@ -43,32 +31,32 @@ TriaxialOptions triaxial_options(const Settings& settings, const lab_data::Test&
     return options;
 }
 
+/// Puts the walls around a specimen in a box; what they feel is then what is steered and read.
+void enclose(engine::Simulation& simulation, const Specimen& specimen, TriaxialOptions& options) {
+    if (!specimen.box) return;
+    const engine::BoxWalls walls = engine::add_box(simulation, *specimen.box);
+    options.stress_of = [walls](const engine::Simulation& s) { return engine::box_pressures(s, walls); };
+}
+
 }  // namespace
 
 std::vector<std::size_t> triaxial_readings(const lab_data::Test& test) {
-    const std::vector<double>&strain = test.column("axial_strain"),
-          &stress = test.column("deviatoric_stress");
-    const std::vector<std::size_t> rising = rising_readings(strain);
-    if (rising.size() <= most_readings) return rising;
-    // Evenly over the root of strain: close together where the curve bends, with the peak among them.
-    const double last = std::sqrt(strain[rising.back()]);
-    std::vector<std::size_t> used{
-        *std::ranges::max_element(rising, {}, [&](std::size_t k) { return stress[k]; })};
-    for (std::size_t n = 1; n < most_readings; ++n) {
-        const double want = last * static_cast<double>(n) / static_cast<double>(most_readings - 1);
-        used.push_back(*std::ranges::min_element(
-            rising, {}, [&](std::size_t k) { return std::abs(std::sqrt(strain[k]) - want); }));
-    }
-    std::ranges::sort(used);
-    used.erase(std::unique(used.begin(), used.end()), used.end());
-    return used;
+    return spread_readings(test.column("axial_strain"), test.column("deviatoric_stress"), largest_strain);
 }
 
-VirtualTestResult run_measured_triaxial(const engine::Packing& packing, const engine::ContactLaw& law,
+SpecimenShape triaxial_specimen(const Settings& settings, const lab_data::Sample&, const lab_data::Test&,
+                                double, std::uint32_t particles) {
+    if (settings.triaxial.boundary == "walls") return {particles, Eigen::Vector3d::Ones()};
+    return {particles};
+}
+
+VirtualTestResult run_measured_triaxial(const Specimen& specimen, const engine::ContactLaw& law,
                                         const Settings& settings, double grain_density,
                                         const lab_data::Test& test, const std::function<bool()>& cancelled) {
-    engine::Simulation simulation(packing, law, simulation_options(settings, grain_density, true));
-    const TriaxialResult run = run_triaxial(simulation, law, triaxial_options(settings, test), cancelled);
+    engine::Simulation simulation(specimen.packing, law, simulation_options(settings, grain_density, true));
+    TriaxialOptions options = triaxial_options(settings, test);
+    enclose(simulation, specimen, options);
+    const TriaxialResult run = run_triaxial(simulation, law, options, cancelled);
     VirtualTestResult result;
     result.ok = run.complete;
     result.reason = run.reason;
@@ -88,7 +76,7 @@ VirtualTestResult run_measured_triaxial(const engine::Packing& packing, const en
     return result;
 }
 
-PictureOfTest picture_of_triaxial(const engine::Packing& packing, const engine::ContactLaw& law,
+PictureOfTest picture_of_triaxial(const Specimen& specimen, const engine::ContactLaw& law,
                                   const Settings& settings, double grain_density,
                                   const lab_data::Test& test) {
     TriaxialOptions options = triaxial_options(settings, test);
@@ -96,7 +84,8 @@ PictureOfTest picture_of_triaxial(const engine::Packing& packing, const engine::
     const auto used = triaxial_readings(test);
     const std::size_t peak = *std::ranges::max_element(used, {}, [&](std::size_t k) { return stress[k]; });
     options.strains = {test.column("axial_strain")[peak]};
-    engine::Simulation simulation(packing, law, simulation_options(settings, grain_density, false));
+    engine::Simulation simulation(specimen.packing, law, simulation_options(settings, grain_density, false));
+    enclose(simulation, specimen, options);
     run_triaxial(simulation, law, options);
     return {simulation.packing(), simulation.contacts(), simulation.measured().stress(2, 2)};
 }

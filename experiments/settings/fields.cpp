@@ -39,6 +39,9 @@ Names code_names() {
 Names methods() {
     return {"emulator", "inverse-kriging"};
 }
+Names boundaries() {
+    return {"periodic", "walls"};
+}
 Names three_ways() {
     return {"auto", "on", "off"};
 }
@@ -143,6 +146,13 @@ const std::array table{
           "of the grains, kg/m3 (default: the sample's)", {.lower = 100, .upper = 30000}},
     Field{"specimen", "preparation_stress_kPa", [](Settings& s) -> Slot { return &s.specimen.preparation_stress_kPa; },
           "under which a specimen is made, kPa", above_zero},
+
+    Field{"triaxial", "boundary", [](Settings& s) -> Slot { return &s.triaxial.boundary; },
+          "of the specimen: a periodic cell, or a cube of rigid walls", {}, boundaries},
+    Field{"direct_shear", "box_diameters", [](Settings& s) -> Slot { return &s.direct_shear.box_diameters; },
+          "length of the box over the mean diameter, 1 (default: as measured, where the grading tells and it is at most 20)", {.lower = 10, .upper = 200}},
+    Field{"direct_shear", "gap_diameters", [](Settings& s) -> Slot { return &s.direct_shear.gap_diameters; },
+          "between the halves of the box over the mean diameter, 1", {.lower = 0, .upper = 1, .open_upper = true}},
 
     Field{"calibration", "design", [](Settings& s) -> Slot { return &s.calibration.design; },
           "of the first runs", {}, designs},

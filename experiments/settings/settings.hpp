@@ -47,6 +47,20 @@ struct SpecimenSettings {
     bool operator==(const SpecimenSettings&) const = default;
 };
 
+/// How triaxial tests are run.
+struct TriaxialSettings {
+    std::string boundary = "periodic";  // periodic | walls: a cube of six rigid ones
+    bool operator==(const TriaxialSettings&) const = default;
+};
+
+/// How direct shear tests are run.
+struct DirectShearSettings {
+    std::optional<double> box_diameters;  // length of the box over the mean diameter; default: as measured
+                                          // where the grading tells and it is not too long
+    double gap_diameters = 0;             // between the halves of the box
+    bool operator==(const DirectShearSettings&) const = default;
+};
+
 /// How parameters are fitted.
 struct CalibrationSettings {
     std::string design = "latin-hypercube";
@@ -97,6 +111,8 @@ struct Settings {
     std::map<std::string, Prior> priors;  // of every other parameter of the law, once resolved
     EngineSettings engine;
     SpecimenSettings specimen;
+    TriaxialSettings triaxial;
+    DirectShearSettings direct_shear;
     CalibrationSettings calibration;
     BulkSettings bulk;
     bool operator==(const Settings&) const = default;

@@ -244,7 +244,7 @@ json curves_document(const Campaign& campaign, const std::vector<RunRecord>& run
 json packing_document(Campaign& campaign, const RunSpec& spec) {
     const CampaignTest& test = campaign.tests().front();
     const PictureOfTest picture =
-        test.kind->picture(campaign.packing(spec), contact_law(campaign.settings(), spec.parameters),
+        test.kind->picture(*campaign.specimen(test, spec), contact_law(campaign.settings(), spec.parameters),
                            campaign.settings(), campaign.grain_density(), *test.test);
     json x = json::array(), contacts = json::array();
     for (Index p = 0; p < picture.packing.radii.size(); ++p)

@@ -58,8 +58,8 @@ std::vector<std::string> density_warnings(Campaign& campaign, const std::vector<
         const auto made = campaign.specimen(test, runs.front().spec);
         if (made->reached) continue;
         out.push_back(fmt::format("{}: the specimen's void ratio is {:.3f}, not the {:.3f} measured: {}",
-                                  test.test->file, void_ratio(made->packing.porosity()),
-                                  void_ratio(test.porosity), made->stopped_by));
+                                  test.test->file, void_ratio(made->porosity), void_ratio(test.porosity),
+                                  made->stopped_by));
     }
     return out;
 }

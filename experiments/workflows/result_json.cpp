@@ -86,7 +86,9 @@ json tests_result(const Campaign& campaign, const Eigen::VectorXd& simulated) {
 }
 
 std::string readable(double value, std::string_view unit) {
-    return unit == "Pa" ? fmt::format("{:.3g} kPa", value / 1000) : fmt::format("{:.2e} {}", value, unit);
+    if (unit == "Pa") return fmt::format("{:.3g} kPa", value / 1000);
+    if (unit == "m") return fmt::format("{:.3g} mm", value * 1000);
+    return fmt::format("{:.2e} {}", value, unit);
 }
 
 void print_result(const Settings& settings, const json& result, const std::string& text) {

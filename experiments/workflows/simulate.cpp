@@ -57,18 +57,29 @@ json parameters_document(const Campaign& campaign) {
     return out;
 }
 
+/// A unit in which people read numbers, and how much of SI it is.
+struct ShownUnit {
+    double size;
+    std::string text;
+};
+
+ShownUnit shown_unit(std::string_view si) {
+    if (si == "Pa") return {1000, " (kPa)"};
+    if (si == "m") return {1e-3, " (mm)"};
+    return {1, ""};
+}
+
 std::string table(const json& tests, const json& warnings, const std::string& report) {
     std::string text;
     for (const json& test : tests) {
-        const bool staged = test["x_unit"] == "Pa", stress = test["unit"] == "Pa";
-        const double x_unit = staged ? 1000 : 1, unit = stress ? 1000 : 1;
-        text += fmt::format("{}{}\n{:>14} {:>12} {:>12}\n", test["file"].get<std::string>(),
-                            staged   ? ""
-                            : stress ? " deviatoric_stress (kPa)"
-                                     : " " + test["channel"].get<std::string>(),
-                            staged ? "stress (kPa)" : "axial strain", "measured", "simulated");
+        const ShownUnit of_x = shown_unit(test["x_unit"].get<std::string>()),
+                        of_y = shown_unit(test["unit"].get<std::string>());
+        const double x_unit = of_x.size, unit = of_y.size;
+        text += fmt::format("{} {}{}\n{:>24} {:>12} {:>12}\n", test["file"].get<std::string>(),
+                            test["channel"].get<std::string>(), of_y.text,
+                            test["x_name"].get<std::string>() + of_x.text, "measured", "simulated");
         for (std::size_t k = 0; k < test["x"].size(); ++k)
-            text += fmt::format("{:>14.4g} {:>12.6f} {:>12.6f}\n", test["x"][k].get<double>() / x_unit,
+            text += fmt::format("{:>24.4g} {:>12.6g} {:>12.6g}\n", test["x"][k].get<double>() / x_unit,
                                 test["measured"][k].get<double>() / unit,
                                 test["simulated"][k].get<double>() / unit);
         text += fmt::format("error {}, {} readings\n",

@@ -60,7 +60,7 @@ int bench_rate(const Settings& settings) {
     for (int k = 0; k < total; ++k) {
         const auto at = static_cast<std::size_t>(k);
         const auto specimen =
-            pool.get(0.47, static_cast<std::uint32_t>(settings.particles), 1 + at % packings, {});
+            pool.get(0.47, {static_cast<std::uint32_t>(settings.particles)}, 1 + at % packings, {});
         const engine::ContactLaw law =
             contact_law(settings, space.physical(x.row(k / static_cast<int>(packings)).transpose()));
         full[at] = run_at(specimen->packing, law, 1, settings, test);

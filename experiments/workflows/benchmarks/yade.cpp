@@ -60,7 +60,7 @@ for line in open('packing.txt'):
 times = []
 def note_time(): times.append((O.iter, time.process_time()))
 O.engines = [ForceResetter(),
-    InsertionSortCollider([Bo1_Sphere_Aabb()], allowBiggerThanPeriod=True, verletDist=-0.1),
+    InsertionSortCollider([Bo1_Sphere_Aabb()], allowBiggerThanPeriod=True, verletDist=-0.05),
     loop,
     NewtonIntegrator(damping={damping}),
     PyRunner(command='note_time()', iterPeriod={steps}, firstIterRun={warm_up}, initRun=False)]

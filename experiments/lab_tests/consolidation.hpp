@@ -1,0 +1,20 @@
+// How virtual tests bring a packing to rest under their first stress, with the law of the test.
+#pragma once
+
+#include <functional>
+
+#include "engine/loading.hpp"
+#include "engine/simulation.hpp"
+
+namespace loam::experiments {
+
+/// Brings the packing to rest at an isotropic stress (Pa) with that law. With a positive `seating_stiffness`
+/// it does so first with a modulus of at most so many times the stress and stiffens it in steps: stiffening
+/// scales all forces at once, and small factors let the packing expand without coming apart. `cancelled` is
+/// polled and makes it throw std::runtime_error.
+engine::ServoSummary consolidate_with(engine::Simulation& simulation, const engine::ContactLaw& law,
+                                      double stress, double seating_stiffness,
+                                      const engine::ServoOptions& servo,
+                                      const std::function<bool()>& cancelled);
+
+}  // namespace loam::experiments

@@ -1,0 +1,134 @@
+// The direct shear test of a sample: from the readings of lab_data::Test to the virtual test and back.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "experiments/lab_tests/direct_shear.hpp"
+#include "experiments/lab_tests/measured.hpp"
+#include "experiments/lab_tests/readings.hpp"
+#include "lab_data/user_error.hpp"
+
+namespace loam::experiments {
+namespace {
+
+constexpr double largest_displacement = 0.4;  // over the box's length
+// As for the triaxial test: a specimen that yields at constant stress follows a faster rate.
+constexpr double inertial_number_factor = 3;
+constexpr double fewest_diameters = 10;  // along the box, below which it is the walls that are measured
+constexpr double usual_length = 14, least_height = 6;  // of made boxes, in diameters
+constexpr double longest = 20;  // of a box that is made as it was measured, in diameters
+constexpr std::uint32_t usual_particles = 700;
+
+/// Diameter of the mean particle of a specimen whose median size by mass is that of the grading (m); 0 where
+/// no grading is stated.
+double mean_diameter(const lab_data::Sample& sample, double spread) {
+    const auto& grading = sample.grading;
+    if (grading.size() < 2 || grading.front().passing > 0.5 || grading.back().passing < 0.5) return 0;
+    std::size_t k = 1;
+    while (grading[k].passing < 0.5) ++k;
+    const double share =
+        (0.5 - grading[k - 1].passing) / std::max(1e-12, grading[k].passing - grading[k - 1].passing);
+    const double first = std::max(grading[k - 1].sieve, 1e-7);
+    const double median = first * std::pow(grading[k].sieve / first, share);
+    // Radii uniform by number: mass up to r goes with r^4.
+    const double low = std::pow(1 - spread, 4), high = std::pow(1 + spread, 4);
+    return median / std::pow(0.5 * (low + high), 0.25);
+}
+
+/// Sides over the mean diameter.
+Eigen::Vector3d box_in_diameters(const Settings& settings, const lab_data::Sample& sample,
+                                 const lab_data::Test& test, std::uint32_t particles) {
+    const Eigen::Vector3d sides(test.box_length, test.box_width, test.box_height);
+    if (settings.direct_shear.box_diameters)
+        return sides * (*settings.direct_shear.box_diameters / test.box_length);
+    const double diameter = mean_diameter(sample, settings.specimen.size_spread);
+    if (diameter > 0 && test.box_length / diameter <= longest) {
+        if (test.box_length < fewest_diameters * diameter)
+            throw lab_data::UserError(
+                {.file = test.file,
+                 .column = "box_length_mm",
+                 .value = fmt::format("{:.4g}", 1000 * test.box_length),
+                 .constraint = fmt::format("is less than ten particles of {:.3g} mm, the size of the grading",
+                                           1000 * diameter),
+                 .remedy = "correct the box or the grading, or set direct_shear.box_diameters"});
+        return sides / diameter;
+    }
+    const double size = std::cbrt(static_cast<double>(particles) / usual_particles);
+    const double length = std::max(usual_length, least_height * test.box_length / test.box_height);
+    return sides * (std::max(fewest_diameters, size * length) / test.box_length);
+}
+
+DirectShearOptions direct_shear_options(const Settings& settings, const lab_data::Test& test) {
+    DirectShearOptions options;
+    options.normal_stress = test.normal_stress;
+    options.wall_friction_angle = test.wall_friction_angle;
+    options.gap = settings.direct_shear.gap_diameters;
+    options.isotropic_stress = std::min(1000 * settings.specimen.preparation_stress_kPa, test.normal_stress);
+    options.seating_stiffness = seating_stiffness_of_made_packings;
+    const double haste = settings.engine.haste;
+    options.inertial_number = std::min(inertial_number_factor * haste * settings.engine.inertial_number,
+                                       options.highest_inertial_number);
+    options.strain_per_step *= haste;
+    for (const std::size_t k : direct_shear_readings(test))
+        options.displacements.push_back(test.column("shear_displacement")[k] / test.box_length);
+    return options;
+}
+
+}  // namespace
+
+std::vector<std::size_t> direct_shear_readings(const lab_data::Test& test) {
+    return spread_readings(test.column("shear_displacement"), test.column("shear_stress"),
+                           largest_displacement * test.box_length);
+}
+
+SpecimenShape direct_shear_specimen(const Settings& settings, const lab_data::Sample& sample,
+                                    const lab_data::Test& test, double porosity, std::uint32_t particles) {
+    const Eigen::Vector3d sides = box_in_diameters(settings, sample, test, particles);
+    const double spread = settings.specimen.size_spread;
+    const double particle = std::numbers::pi / 6 * (1 + spread * spread);  // mean volume over diameter cubed
+    const double count = std::round((1 - porosity) * sides.prod() / particle);
+    return {static_cast<std::uint32_t>(std::max(100.0, count)), sides / sides.maxCoeff()};
+}
+
+VirtualTestResult run_measured_direct_shear(const Specimen& specimen, const engine::ContactLaw& law,
+                                            const Settings& settings, double grain_density,
+                                            const lab_data::Test& test,
+                                            const std::function<bool()>& cancelled) {
+    const DirectShearResult run = run_direct_shear(specimen.packing, specimen.box.value(), law,
+                                                   simulation_options(settings, grain_density, true),
+                                                   direct_shear_options(settings, test), cancelled);
+    VirtualTestResult result;
+    result.ok = run.complete;
+    result.reason = run.reason;
+    const auto n = static_cast<Eigen::Index>(run.readings.size());
+    if (run.complete) result.outputs.resize(2 * n);
+    for (Eigen::Index k = 0; run.complete && k < n; ++k) {
+        const DirectShearReading& reading = run.readings[static_cast<std::size_t>(k)];
+        result.outputs[k] = reading.shear_stress;
+        result.outputs[n + k] = reading.settlement * test.box_height;
+    }
+    result.inertial_number = run.largest_inertial_number;
+    result.unbalanced_ratio = run.mean_unbalanced_ratio;
+    result.servo_error = std::max(run.loading_error, run.mean_normal_error);
+    result.overlap = run.largest_overlap;
+    result.energy_error = run.energy_error;
+    result.steps = static_cast<double>(run.steps);
+    result.seated_porosity = run.loaded_porosity;
+    return result;
+}
+
+PictureOfTest picture_of_direct_shear(const Specimen& specimen, const engine::ContactLaw& law,
+                                      const Settings& settings, double grain_density,
+                                      const lab_data::Test& test) {
+    PictureOfTest picture;
+    run_direct_shear(specimen.packing, specimen.box.value(), law,
+                     simulation_options(settings, grain_density, false), direct_shear_options(settings, test),
+                     {}, [&](const engine::Simulation& at_end) {
+                         picture = {at_end.packing(), at_end.contacts(), test.normal_stress};
+                     });
+    return picture;
+}
+
+}  // namespace loam::experiments
