@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 namespace loam::engine {
@@ -58,15 +60,14 @@ class Addition {
         members_.resize(static_cast<std::size_t>(bins_[0] * bins_[1] * bins_[2]));
     }
 
-    Eigen::Matrix3Xd run(Random& random) {
+    /// Empty where a particle finds no room.
+    std::optional<Eigen::Matrix3Xd> run(Random& random) {
         for (Index p = 0; p < radii_.size(); ++p) {
             Vector3d x;
             int tries = 0;
             do {
                 x = draw(random, radii_[p]);
-                if (++tries > 200000)
-                    throw std::runtime_error(
-                        "no room for the particles of the packing; a smaller size_spread helps");
+                if (++tries > 200000) return std::nullopt;
             } while (!is_free(x, radii_[p]));
             centres_.col(p) = x;
             members_[index(bin(x, 0), bin(x, 1), bin(x, 2))].push_back(p);
@@ -111,30 +112,47 @@ class Addition {
     std::vector<std::vector<Index>> members_;
 };
 
+/// The first that `make` gives, at a porosity that rises from where most gradings find room.
+template <typename Make>
+auto in_room(double porosity, const Make& make) {
+    for (; porosity < 0.97; porosity = 1 - 0.9 * (1 - porosity))
+        if (auto made = make(porosity)) return std::move(*made);
+    throw std::runtime_error("no room for the particles of the packing; a smaller size_spread helps");
+}
+
 }  // namespace
 
 Packing make_cloud(const PackingOptions& options) {
-    Random random(options.seed);
-    Packing cloud;
-    cloud.radii = draw_radii(options, random);
-    const double side = std::cbrt(solid_volume(cloud.radii) / (1 - cloud_porosity));
-    cloud.cell = Eigen::Matrix3d::Identity() * side;
-    cloud.centres = Addition(cloud.radii, Vector3d::Constant(side), false).run(random);
-    return cloud;
+    return in_room(cloud_porosity, [&](double porosity) -> std::optional<Packing> {
+        Random random(options.seed);
+        Packing cloud;
+        cloud.radii = draw_radii(options, random);
+        const double side = std::cbrt(solid_volume(cloud.radii) / (1 - porosity));
+        cloud.cell = Eigen::Matrix3d::Identity() * side;
+        auto centres = Addition(cloud.radii, Vector3d::Constant(side), false).run(random);
+        if (!centres) return std::nullopt;
+        cloud.centres = std::move(*centres);
+        return cloud;
+    });
 }
 
 BoxedCloud make_boxed_cloud(const PackingOptions& options, const Vector3d& proportions, double margin) {
-    Random random(options.seed);
-    BoxedCloud cloud;
-    Packing& packing = cloud.packing;
-    packing.radii = draw_radii(options, random);
-    const double volume = solid_volume(packing.radii) / (1 - boxed_cloud_porosity);
-    const Vector3d sides = proportions * std::cbrt(volume / proportions.prod());
-    cloud.box.low = Vector3d::Constant(margin * sides.maxCoeff());
-    cloud.box.high = cloud.box.low + sides;
-    packing.cell = (cloud.box.low + cloud.box.high).asDiagonal();
-    packing.centres = Addition(packing.radii, sides, true).run(random).colwise() + cloud.box.low;
-    return cloud;
+    return in_room(boxed_cloud_porosity, [&](double porosity) -> std::optional<BoxedCloud> {
+        Random random(options.seed);
+        BoxedCloud cloud;
+        Packing& packing = cloud.packing;
+        packing.radii = draw_radii(options, random);
+        const double volume = solid_volume(packing.radii) / (1 - porosity);
+        const Vector3d sides = proportions * std::cbrt(volume / proportions.prod());
+        if (sides.minCoeff() < 2 * packing.radii.maxCoeff()) return std::nullopt;
+        cloud.box.low = Vector3d::Constant(margin * sides.maxCoeff());
+        cloud.box.high = cloud.box.low + sides;
+        packing.cell = (cloud.box.low + cloud.box.high).asDiagonal();
+        const auto centres = Addition(packing.radii, sides, true).run(random);
+        if (!centres) return std::nullopt;
+        packing.centres = centres->colwise() + cloud.box.low;
+        return cloud;
+    });
 }
 
 }  // namespace loam::engine

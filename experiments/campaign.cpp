@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "experiments/density.hpp"
 #include "experiments/output/progress.hpp"
 
 namespace loam::experiments {
@@ -59,7 +60,8 @@ std::vector<CampaignTest> select_tests(const Settings& settings, const lab_data:
                 "{} is left out: its specimen lies between walls, the packing given does not", test.file));
             continue;
         }
-        CampaignTest entry{&test, kind, kind->readings(test), first, false, target_porosity(settings, test)};
+        CampaignTest entry{&test, kind,  kind->readings(test),
+                           first, false, target_porosity(settings, sample, test)};
         if (entry.readings.empty()) throw no_reading(test);
         if (entry.readings.size() < test.size() / 2)
             warnings.push_back(fmt::format("{}: {} of {} readings are used, spread along the curve",

@@ -8,12 +8,6 @@
 
 namespace loam::experiments {
 
-double target_porosity(const Settings& settings, const lab_data::Test& test) {
-    if (settings.specimen.porosity) return *settings.specimen.porosity;
-    if (test.initial_void_ratio) return *test.initial_void_ratio / (1 + *test.initial_void_ratio);
-    return engine::PackingOptions{}.target_porosity;
-}
-
 Specimen SpecimenPool::make(double porosity, const SpecimenShape& shape, std::uint64_t seed,
                             const StopToken& stop) const {
     engine::BoxedPackingOptions options;

@@ -15,10 +15,6 @@
 
 namespace loam::experiments {
 
-/// Porosity at which the test's specimen is made: the setting's, else from the measured initial void ratio,
-/// else the 0.47 of De Pue et al. (2019).
-double target_porosity(const Settings& settings, const lab_data::Test& test);
-
 class SpecimenPool {
   public:
     explicit SpecimenPool(const Settings& settings) : settings_(settings) {}

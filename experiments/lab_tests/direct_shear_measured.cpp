@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "experiments/density.hpp"
 #include "experiments/lab_tests/direct_shear.hpp"
 #include "experiments/lab_tests/measured.hpp"
 #include "experiments/lab_tests/readings.hpp"
@@ -24,17 +25,9 @@ constexpr std::uint32_t usual_particles = 700;
 /// Diameter of the mean particle of a specimen whose median size by mass is that of the grading (m); 0 where
 /// no grading is stated.
 double mean_diameter(const lab_data::Sample& sample, double spread) {
-    const auto& grading = sample.grading;
-    if (grading.size() < 2 || grading.front().passing > 0.5 || grading.back().passing < 0.5) return 0;
-    std::size_t k = 1;
-    while (grading[k].passing < 0.5) ++k;
-    const double share =
-        (0.5 - grading[k - 1].passing) / std::max(1e-12, grading[k].passing - grading[k - 1].passing);
-    const double first = std::max(grading[k - 1].sieve, 1e-7);
-    const double median = first * std::pow(grading[k].sieve / first, share);
     // Radii uniform by number: mass up to r goes with r^4.
     const double low = std::pow(1 - spread, 4), high = std::pow(1 + spread, 4);
-    return median / std::pow(0.5 * (low + high), 0.25);
+    return median_grain_size(sample) / std::pow(0.5 * (low + high), 0.25);
 }
 
 /// Sides over the mean diameter.

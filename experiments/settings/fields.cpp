@@ -39,6 +39,9 @@ Names code_names() {
 Names methods() {
     return {"emulator", "inverse-kriging"};
 }
+Names matches() {
+    return {"void_ratio", "relative_density"};
+}
 Names boundaries() {
     return {"periodic", "walls"};
 }
@@ -142,6 +145,8 @@ const std::array table{
           "radii are uniform over the mean radius times 1 +- this, 1", {.lower = 0, .upper = 0.9}},
     Field{"specimen", "porosity", [](Settings& s) -> Slot { return &s.specimen.porosity; },
           "of the specimen, 1 (default: from the test's initial void ratio)", packable},
+    Field{"specimen", "match", [](Settings& s) -> Slot { return &s.specimen.match; },
+          "what a specimen has in common with the measured one: its void ratio, or its relative density", {}, matches},
     Field{"specimen", "grain_density_kg_m3", [](Settings& s) -> Slot { return &s.specimen.grain_density_kg_m3; },
           "of the grains, kg/m3 (default: the sample's)", {.lower = 100, .upper = 30000}},
     Field{"specimen", "preparation_stress_kPa", [](Settings& s) -> Slot { return &s.specimen.preparation_stress_kPa; },

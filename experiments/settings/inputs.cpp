@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cctype>
 
+#include "experiments/density.hpp"
 #include "experiments/lab_tests/registry.hpp"
 #include "experiments/output/file_descriptor.hpp"
 #include "experiments/settings/conversion.hpp"
@@ -107,9 +108,10 @@ void check_specimens(const Settings& settings, const lab_data::Sample& sample) {
     for (const lab_data::Test& test : sample.tests) {
         const bool wanted = settings.tests.empty() ||
                             std::ranges::find(settings.tests, to_string(test.kind)) != settings.tests.end();
-        if (wanted)
-            lab_test(test.kind).shape(settings, sample, test, any_porosity,
-                                      static_cast<std::uint32_t>(std::max(100, settings.particles)));
+        if (!wanted) continue;
+        target_porosity(settings, sample, test);
+        lab_test(test.kind).shape(settings, sample, test, any_porosity,
+                                  static_cast<std::uint32_t>(std::max(100, settings.particles)));
     }
 }
 

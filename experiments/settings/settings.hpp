@@ -42,6 +42,7 @@ struct EngineSettings {
 struct SpecimenSettings {
     double size_spread = 0.3;                   // uniform grading: mean radius * (1 +- size_spread)
     std::optional<double> porosity;             // default: from the test's initial void ratio
+    std::string match = "void_ratio";           // what is taken from that: void_ratio | relative_density
     std::optional<double> grain_density_kg_m3;  // default: the sample's
     double preparation_stress_kPa = 2;
     bool operator==(const SpecimenSettings&) const = default;

@@ -7,6 +7,7 @@
 
 #include "experiments/ensemble/run_seed.hpp"
 #include "experiments/settings/writing.hpp"
+#include "experiments/workflows/joint_report.hpp"
 #include "experiments/workflows/result_json.hpp"
 #include "surrogate/sensitivity.hpp"
 
@@ -291,6 +292,10 @@ json calibration_document(Campaign& campaign, const lab_data::Sample& sample, co
     document["posterior"] = posterior_document(campaign, c);
     document["emulator"] = emulator_document(campaign, c);
     document["sensitivity"] = sensitivity_document(campaign, c, parameters);
+    if (result["tests"].size() > 1) {
+        document["identification"] = identification_document(campaign, c);
+        document["trade_off"] = trade_off_document(campaign, c);
+    }
     document["packing"] = packing_document(campaign, c.confirmation.front().spec);
     document["quasi_static"] = quasi_static_document(c.confirmation);
     document["settings"] = to_toml(campaign.settings());

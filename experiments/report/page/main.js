@@ -26,6 +26,12 @@ const sections = [
     wanted: (d) => list(d.crosstest?.curves).length > 0,
   },
   {
+    id: "joint",
+    title: "What each test says",
+    module: "sections/joint.js",
+    wanted: (d) => list(d.identification?.files).length > 1,
+  },
+  {
     id: "posterior",
     title: "Posterior",
     module: "sections/posterior.js",

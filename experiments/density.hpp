@@ -1,0 +1,33 @@
+// How dense a specimen is made: at the void ratio that was measured, or at its relative density.
+#pragma once
+
+#include "experiments/settings/settings.hpp"
+#include "lab_data/sample.hpp"
+
+namespace loam::experiments {
+
+/// Void ratios at which a material is as dense, and as loose, as it gets.
+struct LimitVoidRatios {
+    double least = 0, greatest = 0;
+};
+
+/// Of spheres with radii uniform within 1 +- spread, as the packing generator makes them (measured: three
+/// packings of 1,500 at spreads of 0, 0.3 and 0.6, scatter 0.01; between them interpolated).
+LimitVoidRatios limits_of_spheres(double spread);
+
+/// Of the soil: its properties minimum_void_ratio and maximum_void_ratio; else from the median grain size of
+/// its grading by the correlations for sands and gravels of Cubrinovski and Ishihara (1999, 2002):
+/// e_max - e_min = 0.23 + 0.06 mm / d50 and e_max = 0.072 + 1.53 e_min. Throws UserError where neither is
+/// stated, or the limits are not in order.
+LimitVoidRatios limits_of_soil(const lab_data::Sample& sample);
+
+/// Grain size below which half of the mass lies (m), logarithmic between sieves; 0 where no grading is stated
+/// or it does not reach half.
+double median_grain_size(const lab_data::Sample& sample);
+
+/// Porosity at which the test's specimen is made: the setting's; else, from the measured initial void ratio,
+/// the same or that of the same relative density (settings.specimen.match); else the 0.47 of De Pue et al.
+/// (2019). Throws UserError as limits_of_soil.
+double target_porosity(const Settings& settings, const lab_data::Sample& sample, const lab_data::Test& test);
+
+}  // namespace loam::experiments

@@ -1,0 +1,70 @@
+// Densities of specimens: relative density carries over from the soil's limits to those of spheres.
+#include <gtest/gtest.h>
+
+#include "engine/packing.hpp"
+#include "experiments/density.hpp"
+#include "lab_data/user_error.hpp"
+
+namespace loam::experiments {
+namespace {
+
+lab_data::Sample soil(double least, double greatest) {
+    lab_data::Sample sample;
+    sample.properties["minimum_void_ratio"] = least;
+    sample.properties["maximum_void_ratio"] = greatest;
+    return sample;
+}
+
+lab_data::Test test_at(double void_ratio) {
+    lab_data::Test test;
+    test.initial_void_ratio = void_ratio;
+    return test;
+}
+
+TEST(Density, IsTheMeasuredVoidRatioUnlessSaidOtherwise) {
+    Settings settings;
+    EXPECT_DOUBLE_EQ(target_porosity(settings, soil(0.5, 0.9), test_at(0.6)), 0.6 / 1.6);
+    EXPECT_DOUBLE_EQ(target_porosity(settings, {}, {}), 0.47);
+    settings.specimen.porosity = 0.4;
+    EXPECT_DOUBLE_EQ(target_porosity(settings, soil(0.5, 0.9), test_at(0.6)), 0.4);
+}
+
+TEST(Density, RelativeDensityGoesFromLimitToLimit) {
+    Settings settings;
+    settings.specimen.match = "relative_density";
+    const LimitVoidRatios spheres = limits_of_spheres(settings.specimen.size_spread);
+    const auto made = [&](double e) {
+        const double n = target_porosity(settings, soil(0.5, 0.9), test_at(e));
+        return n / (1 - n);
+    };
+    EXPECT_NEAR(made(0.5), spheres.least, 1e-12);
+    EXPECT_NEAR(made(0.9), spheres.greatest, 1e-12);
+    EXPECT_NEAR(made(0.7), 0.5 * (spheres.least + spheres.greatest), 1e-12);
+}
+
+TEST(Density, LimitsOfSpheresAreThoseOfThePackingGenerator) {
+    for (const double spread : {0.0, 0.3}) {
+        const LimitVoidRatios limits = limits_of_spheres(spread);
+        for (const bool loose : {false, true}) {
+            engine::PackingOptions options;
+            options.particles = 700;
+            options.size_spread = spread;
+            options.target_porosity = loose ? 0.59 : 0.06;
+            const double n = engine::make_packing(options).porosity;
+            EXPECT_NEAR(n / (1 - n), loose ? limits.greatest : limits.least, 0.06) << spread << loose;
+        }
+    }
+}
+
+TEST(Density, LimitsOfTheSoilAreStatedOrFollowFromItsGrading) {
+    lab_data::Sample sand;
+    sand.grading = {{0.25e-3, 0.0}, {0.5e-3, 0.5}, {1e-3, 1.0}};
+    const LimitVoidRatios limits = limits_of_soil(sand);
+    EXPECT_NEAR(limits.greatest - limits.least, 0.23 + 0.06 / 0.5, 1e-9);
+    EXPECT_NEAR(limits.greatest, 0.072 + 1.53 * limits.least, 1e-9);
+    EXPECT_THROW(limits_of_soil({}), lab_data::UserError);
+    EXPECT_THROW(limits_of_soil(soil(0.9, 0.5)), lab_data::UserError);
+}
+
+}  // namespace
+}  // namespace loam::experiments
