@@ -146,7 +146,7 @@ constexpr std::array plastic_contact_parameters{
                   "1",
                   0.0,
                   0.95,
-                  {PriorKind::uniform, 0, 0, 0.0, 0.9},
+                  {PriorKind::uniform, 0, 0, 0.0, 0.5},
                   "share of the largest overlap that is permanent; unloading is 1/(1 - share) times as stiff",
                   "Walton and Braun 1986; Luding 2008",
                   fitted},

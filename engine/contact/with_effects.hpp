@@ -41,7 +41,7 @@ struct ContactWithEffects {
     T spring_energy;  // twice the base law's (J)
     Base base;
     LiquidBridge<T> bridge;
-    T kn, kt;     // tangents (N/m)
+    T kn, kt;     // tangents (N/m); of unloading where that is stiffer, as servos must reckon with
     T force;      // of the spring (N), compression positive; holds where active
     Mask active;  // spring and shear act
     Mask bridged;
@@ -58,7 +58,7 @@ struct ContactWithEffects {
           in_tension(overlap.elastic < zero),
           base(spring_at(choose(in_tension, -overlap.elastic, overlap.elastic), spring_energy)),
           bridge(n, pair_now) {
-        kn = choose(overlap.elastic < overlap.largest, base.kn * n.plastic_stiffening, base.kn);
+        kn = base.kn * n.plastic_stiffening;
         kt = base.kt;
         last_kt = choose(memory.kt > zero, memory.kt, kt);
         force = choose(in_tension, -base.force, base.force);
