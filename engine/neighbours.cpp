@@ -167,8 +167,8 @@ void fill_with_dummies(PairList& pairs, std::size_t first, std::size_t last, std
         pairs.row_j[k] = row_offset(pairs.j[k]);
         pairs.image[k] = image_home;
         pairs.radius_sum[k] = 1e-3;  // what is divided by must not be zero
-        pairs.reduced_radius[k] = 1.0;
-        pairs.area[k] = pairs.shear[0][k] = pairs.shear[1][k] = pairs.shear[2][k] = 0.0;
+        pairs.reduced_radius[k] = pairs.area[k] = 1.0;
+        pairs.shear[0][k] = pairs.shear[1][k] = pairs.shear[2][k] = 0.0;
         pairs.bond[k] = bond_none;
         for (auto& values : pairs.further) values[k] = 0.0;
     }

@@ -108,6 +108,18 @@ void Simulation::set_law(const ContactLaw& law) {
     set_time_step();
 }
 
+std::size_t Simulation::cement_contacts() {
+    cemented_ = 0;
+    if (law_.cementation.strength == 0) return 0;
+    auto& cement = pairs_.further[composition_.memory() + 2];
+    for (std::size_t k = 0; k < pairs_.padded(); ++k) {
+        const bool touches = pairs_.bond[k] != bond_none && pairs_.bond[k] != bond_apart;
+        cement[k] = touches ? 1.0 : 0.0;
+        if (touches) ++cemented_;
+    }
+    return cemented_;
+}
+
 /// The time of a p-wave across the smallest particle that is not made heavier, times the safety factor
 /// (Smilauer et al. 2015).
 void Simulation::set_time_step() {
@@ -241,6 +253,7 @@ void Simulation::record(const ContactSums& contacts, const IntegrateSums& motion
     measured_.affine_stiffness = contacts.stiffness_sum / (9 * v);
     measured_.elastic_energy = contacts.elastic_energy;
     measured_.kinetic_energy = motion.kinetic_energy;
+    if (cemented_ > 0) measured_.broken_bond_ratio = 1 - contacts.cemented / static_cast<double>(cemented_);
 }
 
 void Simulation::balance_energy(const ContactSums& contacts, const IntegrateSums& motion, Measure measure) {
@@ -313,7 +326,7 @@ Packing Simulation::packing() const {
 std::vector<ContactView> Simulation::contacts() const {
     std::vector<ContactView> out;
     for (std::size_t k = 0; k < pairs_.padded(); ++k) {
-        if (pairs_.bond[k] == bond_none) continue;
+        if (pairs_.bond[k] == bond_none || pairs_.bond[k] == bond_apart) continue;
         const int n = pairs_.image[k];
         const ParticleRow &a = particles_[static_cast<std::size_t>(pairs_.i[k])],
                           &b = particles_[static_cast<std::size_t>(pairs_.j[k])];
@@ -321,7 +334,10 @@ std::vector<ContactView> Simulation::contacts() const {
                                        cell_ * Eigen::Vector3d(n / 9 - 1, (n / 3) % 3 - 1, n % 3 - 1);
         const Touch<double> pair{pairs_.radius_sum[k] - branch.norm(), pairs_.radius_sum[k],
                                  b.radius - a.radius, pairs_.reduced_radius[k], pairs_.area[k]};
-        const double force = normal_force(composition_, pair, pairs_.bond[k]);
+        std::array<double, 3> memory{};
+        if (composition_.with_effects)
+            for (std::size_t q = 0; q < 3; ++q) memory[q] = pairs_.further[composition_.memory() + q][k];
+        const double force = normal_force(composition_, pair, pairs_.bond[k], memory);
         const Eigen::Vector3d shear(pairs_.shear[0][k], pairs_.shear[1][k], pairs_.shear[2][k]);
         ContactView view{outside_[static_cast<std::size_t>(pairs_.i[k])],
                          outside_[static_cast<std::size_t>(pairs_.j[k])], branch, force, shear};

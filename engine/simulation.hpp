@@ -49,6 +49,7 @@ struct Measurement {
     double affine_stiffness = 0;     // sum k_n l² / (9 V): upper estimate of the bulk modulus (Pa)
     double elastic_energy = 0;       // J
     double kinetic_energy = 0;       // J, relative to the mean velocity field
+    double broken_bond_ratio = 0;    // of the contacts that cement_contacts has bonded, broken since
 };
 
 /// Energies integrated since the start or the last restart_energy_balance, where options.energy_balance is on
@@ -86,6 +87,9 @@ class Simulation {
     const Eigen::Matrix3d& velocity_gradient() const { return gradient_; }
     /// Changes the parameters; contacts keep their history, the time step follows the modulus.
     void set_law(const ContactLaw& law);
+    /// Bonds the contacts between particles that the last step had, where the law has cementation, in place
+    /// of all bonds before; returns their number.
+    std::size_t cement_contacts();
 
     /// Adds a wall that touches particles with its own friction and without cohesion, and returns its number.
     /// A packing between walls stands free in its cell: particles must stay away from the cell's faces, so
@@ -170,6 +174,7 @@ class Simulation {
     double time_step_overlap_ = 0;  // over R_i + R_j, that the time step is made for
     double dt_ = 0, solid_volume_ = 0, mean_diameter_ = 0, smallest_diameter_ = 0, largest_diameter_ = 0;
     std::uint64_t steps_ = 0, rebuilds_ = 0;
+    std::size_t cemented_ = 0;      // contacts, by cement_contacts
     double drift_since_check_ = 0;  // bound on relative motion since positions were last compared (m)
     double drift_confirmed_ = 0;    // relative motion at that comparison (m)
     std::vector<Eigen::Vector3d> built_at_;  // fractional positions at the last rebuild

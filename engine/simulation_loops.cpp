@@ -16,8 +16,8 @@ void to_row_major(const Eigen::Matrix3d& m, double (&out)[9]) {
 }  // namespace
 
 ContactLoop Simulation::contact_loop(Measure measure) const {
-    return kernel_
-        ->contacts[composition_.base][static_cast<int>(composition_.turning)][static_cast<int>(measure)];
+    const ContactLoops& loops = composition_.with_effects ? *kernel_->with_effects : kernel_->contacts;
+    return loops.by[composition_.base][static_cast<int>(composition_.turning)][static_cast<int>(measure)];
 }
 
 void Simulation::point_to(PairList& pairs, std::size_t first, std::size_t last, ContactArguments& a) {

@@ -23,6 +23,8 @@ double square_root(double a) {
 #include "engine/contact/hertz_mindlin.hpp"
 #include "engine/contact/linear_cohesive.hpp"
 #include "engine/contact/linear_damped.hpp"
+// This needs the base laws.
+#include "engine/contact/with_effects.hpp"
 
 namespace loam::engine {
 namespace {
@@ -63,6 +65,36 @@ void resolve(const HertzMindlin& law, LawNumbers& n) {
         2 * std::sqrt(5.0 / 6.0) * damping_of_restitution(law.restitution);
 }
 
+/// The meniscus of a bridge between equal spheres of radius 1 (contact/capillarity.hpp).
+void resolve(const Capillarity& effect, LawNumbers& n) {
+    n.bridge_length = 1;  // what is divided by must not be zero
+    if (effect.suction == 0) return;
+    const double a = effect.filling_angle, sec = 1 / std::cos(a), tan = std::tan(a);
+    const double r1 = sec - 1, r2 = 1 + tan - sec;
+    const double volume = 2 * pi * r1 * r1 * (1 - (0.5 * pi - a) * tan);
+    n.bridge_force = pi * effect.suction * r2 * r2 * (r2 + r1) / (r2 - r1);
+    n.bridge_length = std::sqrt(2 * volume / pi);
+    n.bridge_reach = std::cbrt(volume);
+}
+
+void resolve_effects(const ContactLaw& law, Composition& out) {
+    LawNumbers& n = out.numbers;
+    n.normal_cohesion += law.adhesion.stress;
+    n.shear_cohesion += law.adhesion.stress * law.adhesion.shear_ratio;
+    n.cement_tension = law.cementation.strength;
+    n.cement_shear = law.cementation.strength * law.cementation.shear_ratio;
+    n.hertzian_share = law.hertzian.share;
+    n.hertzian_scale = 1 / (4 * law.hertzian.reference_pressure);
+    n.plastic_share = law.plastic.share;
+    n.plastic_stiffening = 1 / (1 - law.plastic.share);
+    resolve(law.capillarity, n);
+    // linear-cohesive has bonds itself.
+    const bool sticks = law.adhesion.stress > 0 && !std::holds_alternative<LinearCohesive>(law.base);
+    out.with_effects =
+        sticks || n.cement_tension > 0 || n.hertzian_share > 0 || n.plastic_share > 0 || n.bridge_force > 0;
+    if (out.with_effects) out.history += 3;
+}
+
 /// Dashpots of share D shorten the stable time step of one contact by sqrt(1 + D²) - D. A sphere in a packing
 /// has several, whose dashpots add up where its frequency grows with their root alone: D counts 3.5 times,
 /// found where packings of 5 contacts a sphere cease to come to rest.
@@ -85,9 +117,36 @@ double wave_modulus_of(const HertzMindlin& law, double overlap) {
 }
 
 template <template <class, class> class LawOf>
-double force_of(const LawNumbers& n, const Touch<double>& pair, double bond) {
+double force_of(const LawNumbers& n, const Touch<double>& pair, double bond, const std::array<double, 3>&) {
     const LawOf<double, bool> law(n, pair, bond, bond > bond_none);
     return law.force;
+}
+
+template <template <class, class> class LawOf>
+double force_with_effects(const LawNumbers& n, const Touch<double>& pair, double bond,
+                          const std::array<double, 3>& memory) {
+    const ContactWithEffects<LawOf, double, bool> law(n, pair, bond, {memory[0], memory[1], memory[2]});
+    return (law.active ? law.force : 0.0) - law.pull();
+}
+
+/// The tangent stiffness of the spring of equal spheres over E R, of the linear laws with hertzian_stiffness.
+double stiffness_over_linear(const LawNumbers& n, double modulus, double overlap) {
+    const double s = n.hertzian_share;  // u k / (4 P R²) with u = 2 R overlap and k = modulus R
+    return 1 - s + s * std::sqrt((1 - s / 3) * 2 * overlap * modulus * n.hertzian_scale);
+}
+
+/// The overlap over R_i + R_j at which equal spheres hold the largest tension; at most 1.
+double overlap_in_tension(const LawNumbers& n, double modulus, bool hertzian) {
+    const double stress = n.normal_cohesion + n.cement_tension;
+    if (stress == 0) return 0;
+    if (hertzian) return std::min(1.0, std::pow(0.75 * stress / n.normal_modulus, 2.0 / 3.0));
+    double below = 0, above = 1;
+    for (int k = 0; k < 50; ++k) {
+        const double at = 0.5 * (below + above), tangent = stiffness_over_linear(n, modulus, at);
+        const double secant = (1 - n.hertzian_share) / 3 + 2.0 / 3.0 * tangent;
+        (2 * modulus * at * secant < stress ? below : above) = at;
+    }
+    return above;
 }
 
 }  // namespace
@@ -106,30 +165,44 @@ Composition compose(const ContactLaw& law, double grain_density, bool free_rotat
         out.numbers.rolling_friction = law.rolling.friction;
         out.numbers.rolling_stiffness = law.rolling.stiffness;
     }
+    resolve_effects(law, out);
     return out;
 }
 
 double wave_modulus(const ContactLaw& law, const Composition& composition, double overlap) {
-    const double modulus =
-        std::visit([&](const auto& base) { return wave_modulus_of(base, overlap); }, law.base);
-    if (composition.turning == Turning::blocked) return modulus;
-    // A sphere's spin is held by k_t R² + k_r = k_t R² (1 + k_r/(k_t R²)) at each contact, against 0.4 m R²;
-    // the factor was found where packings of 6 contacts a sphere cease to come to rest.
     const LawNumbers& n = composition.numbers;
-    const double ratio = n.stiffness_ratio > 0 ? n.stiffness_ratio : n.shear_modulus / n.normal_modulus;
-    return modulus * std::max(1.0, 1.25 * ratio * (1 + n.rolling_stiffness));
+    const bool hertzian = std::holds_alternative<HertzMindlin>(law.base);
+    const double linear =
+        (std::holds_alternative<LinearCohesive>(law.base) ? 0.5 : 2.0) * n.normal_modulus;  // k = linear R
+    if (composition.with_effects) overlap = std::max(overlap, overlap_in_tension(n, linear, hertzian));
+    double modulus = std::visit([&](const auto& base) { return wave_modulus_of(base, overlap); }, law.base);
+    if (n.hertzian_share > 0) modulus *= std::max(1.0, stiffness_over_linear(n, linear, overlap));
+    double turning = 0;
+    if (composition.turning != Turning::blocked) {
+        // A sphere's spin is held by k_t R² + k_r = k_t R² (1 + k_r/(k_t R²)) at each contact, against 0.4 m
+        // R²; the factor was found where packings of 6 contacts a sphere cease to come to rest.
+        const double ratio = n.stiffness_ratio > 0 ? n.stiffness_ratio : n.shear_modulus / n.normal_modulus;
+        turning = modulus * 1.25 * ratio * (1 + n.rolling_stiffness);
+    }
+    // The bridge's force changes fastest where the grains touch.
+    return std::max(modulus * n.plastic_stiffening + n.bridge_force / n.bridge_length, turning);
 }
 
 bool stiffens(const ContactLaw& law) {
-    return std::holds_alternative<HertzMindlin>(law.base);
+    return std::holds_alternative<HertzMindlin>(law.base) || law.hertzian.share > 0;
 }
 
-double normal_force(const Composition& composition, const Touch<double>& pair, double bond) {
-    using Force = double (*)(const LawNumbers&, const Touch<double>&, double);
-    static constexpr Force forces[] = {force_of<LinearCohesiveContact>, force_of<LinearDampedContact>,
-                                       force_of<HertzMindlinContact>};
+double normal_force(const Composition& composition, const Touch<double>& pair, double bond,
+                    const std::array<double, 3>& memory) {
+    using Force = double (*)(const LawNumbers&, const Touch<double>&, double, const std::array<double, 3>&);
+    static constexpr Force forces[][2] = {
+        {force_of<LinearCohesiveContact>, force_with_effects<LinearCohesiveContact>},
+        {force_of<LinearDampedContact>, force_with_effects<LinearDampedContact>},
+        {force_of<HertzMindlinContact>, force_with_effects<HertzMindlinContact>}};
+    const double force =
+        forces[composition.base][composition.with_effects](composition.numbers, pair, bond, memory);
+    if (composition.with_effects) return force;
     // A contact that rests on the plateau of its tension, or was torn in the last step, is still one.
-    const double force = forces[composition.base](composition.numbers, pair, bond);
     const double adhesion = bond == bond_cohesive ? composition.numbers.normal_cohesion * pair.area : 0.0;
     return std::max(force, -adhesion);
 }

@@ -1,6 +1,8 @@
 // A contact law resolved: what the step needs of it, found once and not looked up again.
 #pragma once
 
+#include <array>
+
 #include "engine/contact/contact_law.hpp"
 #include "engine/kernel/kernel.hpp"
 
@@ -11,6 +13,10 @@ struct Composition {
     std::size_t base = 0;     // which base law, in the order of ContactLaw::base
     std::size_t history = 0;  // doubles for each contact beyond shear force and bond
     Turning turning = Turning::blocked;
+    bool with_effects = false;  // of those in contact/with_effects.hpp
+
+    /// Where the effects' memory stands in the history.
+    std::size_t memory() const { return history - 3; }
 };
 
 /// Throws std::invalid_argument where an effect lacks its partner: rolling resistance needs free rotation.
@@ -19,13 +25,15 @@ Composition compose(const ContactLaw& law, double grain_density, bool free_rotat
 
 /// Young modulus (Pa) that the p-wave estimate of the time step min R sqrt(rho/E) needs for this law: of
 /// springs k_n = E R between equal spheres, more for dashpots and for spins, whose frequency may be higher.
-/// `overlap`: largest over R_i + R_j, which only Hertzian contacts depend on.
+/// `overlap`: largest over R_i + R_j, which only springs that stiffen depend on.
 double wave_modulus(const ContactLaw& law, const Composition& composition, double overlap);
 
 /// Whether wave_modulus depends on the overlap.
 bool stiffens(const ContactLaw& law);
 
-/// Elastic normal force (N, compression positive) of a pair under a law; `bond` is its state after the step.
-double normal_force(const Composition& composition, const Touch<double>& pair, double bond);
+/// Elastic normal force (N, compression positive) of a pair under a law, with that of its liquid bridge.
+/// `bond` and `memory` (kt, largest overlap, cement; only read with effects) are its state after the step.
+double normal_force(const Composition& composition, const Touch<double>& pair, double bond,
+                    const std::array<double, 3>& memory);
 
 }  // namespace loam::engine

@@ -52,11 +52,6 @@ void HertzMindlin::validate() const {
     require(restitution >= 0 && restitution <= 1, "restitution", restitution, "within 0..1");
 }
 
-void RollingResistance::validate() const {
-    require(std::isfinite(friction) && friction >= 0, "rolling_friction", friction, ">= 0");
-    require(std::isfinite(stiffness) && stiffness > 0, "rolling_stiffness", stiffness, "positive");
-}
-
 double ContactLaw::young_modulus() const {
     return std::visit([](const auto& law) { return law.young_modulus; }, base);
 }
@@ -67,9 +62,29 @@ ContactLaw ContactLaw::with_young_modulus(double modulus) const {
     return out;
 }
 
+ContactLaw ContactLaw::of_seating() const {
+    ContactLaw out = *this;
+    out.cementation.strength = 0;
+    out.plastic.share = 0;
+    return out;
+}
+
 void ContactLaw::validate() const {
     std::visit([](const auto& law) { law.validate(); }, base);
     rolling.validate();
+    adhesion.validate();
+    hertzian.validate();
+    capillarity.validate();
+    cementation.validate();
+    plastic.validate();
+    require(hertzian.share == 0 || !std::holds_alternative<HertzMindlin>(base), "hertzian_share",
+            hertzian.share, "0 on the law hertz-mindlin, whose stiffness grows with force by itself");
+    const auto* cohesive = std::get_if<LinearCohesive>(&base);
+    const bool others =
+        hertzian.share > 0 || capillarity.suction > 0 || cementation.strength > 0 || plastic.share > 0;
+    require(cohesive == nullptr || cohesive->fragile || !others, "fragile", 0,
+            "true where linear-cohesive has one of the effects hertzian_stiffness, capillarity, cementation, "
+            "plastic_contact");
 }
 
 }  // namespace loam::engine

@@ -4,6 +4,8 @@
 
 #include <variant>
 
+#include "engine/contact/effects.hpp"
+
 namespace loam::engine {
 
 /// Parameters of the law `linear-cohesive` (De Pue et al. 2019, eqs 1-7; see contact/linear_cohesive.hpp).
@@ -40,19 +42,15 @@ struct HertzMindlin {
     void validate() const;
 };
 
-/// The effect `rolling_resistance`: an elastic-plastic moment against rolling, k_r = stiffness k_t R_i R_j,
-/// of at most friction F_n min(R_i, R_j); no resistance to twisting. Friction 0: no effect.
-struct RollingResistance {
-    double friction = 0;
-    double stiffness = 2;
-
-    void validate() const;
-};
-
 /// A base law with its effects, resolved once when a simulation takes it.
 struct ContactLaw {
     std::variant<LinearCohesive, LinearDamped, HertzMindlin> base;
     RollingResistance rolling;  // needs free rotation
+    Adhesion adhesion;
+    HertzianStiffness hertzian;  // only on linear laws
+    Capillarity capillarity;
+    Cementation cementation;
+    PlasticContact plastic;
 
     ContactLaw() = default;
     ContactLaw(const LinearCohesive& law) : base(law) {}
@@ -63,6 +61,9 @@ struct ContactLaw {
     double young_modulus() const;
     /// The same law with another modulus (Pa).
     ContactLaw with_young_modulus(double modulus) const;
+    /// The same law without the effects that begin with a test, on a specimen that has been seated:
+    /// cementation and plastic_contact.
+    ContactLaw of_seating() const;
     void validate() const;  // throws std::invalid_argument naming field, value, constraint
 };
 

@@ -18,7 +18,7 @@ namespace {
 
 template <class T, class Mask>
 struct HertzMindlinContact {
-    static constexpr bool viscous = true, rescales = true;
+    static constexpr bool viscous = true, rescales = true, has_effects = false;
 
     const LawNumbers& numbers;
     T kn, kt;  // tangents (N/m)

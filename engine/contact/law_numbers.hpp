@@ -16,7 +16,14 @@ struct LawNumbers {
     double mass_of_unit_sphere;                 // kg: 4/3 pi × grain density
     double rolling_friction;                    // moment limit over F_n min(R_i, R_j)
     double rolling_stiffness;                   // k_r / (k_t R_i R_j)
-    bool fragile;                               // cohesion is lost for good when its limit is passed
+    // Effects, with which contacts go through a loop of their own (contact/with_effects.hpp).
+    double cement_tension, cement_shear;       // Pa: over min(R)²
+    double hertzian_share;                     // of the spring
+    double hertzian_scale;                     // 1/(4 reference pressure) (1/Pa)
+    double plastic_share, plastic_stiffening;  // s and 1/(1 - s)
+    double bridge_force;                 // Pa: attraction at contact over R², R = 2 R_i R_j/(R_i + R_j)
+    double bridge_length, bridge_reach;  // b and the gap of rupture over R
+    bool fragile;                        // cohesion is lost for good when its limit is passed
 };
 
 /// A pair of spheres as a law sees it; T is a vector of doubles or one double.
@@ -34,5 +41,6 @@ struct Touch {
 inline constexpr double bond_none = 0.0;      // apart
 inline constexpr double bond_broken = 1.0;    // touching, cohesion lost
 inline constexpr double bond_cohesive = 2.0;  // touching, cohesion active (also where the cohesion is zero)
+inline constexpr double bond_apart = 3.0;     // with effects: apart, with a liquid bridge or a flattening
 
 }  // namespace loam::engine

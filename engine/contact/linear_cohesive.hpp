@@ -19,7 +19,7 @@ namespace {
 
 template <class T, class Mask>
 struct LinearCohesiveContact {
-    static constexpr bool viscous = false, rescales = false;
+    static constexpr bool viscous = false, rescales = false, has_effects = false;
 
     const LawNumbers& numbers;
     T kn, kt;     // N/m

@@ -24,7 +24,7 @@ static inline __attribute__((always_inline)) T reduced_mass(const LawNumbers& n,
 
 template <class T, class Mask>
 struct LinearDampedContact {
-    static constexpr bool viscous = true, rescales = false;
+    static constexpr bool viscous = true, rescales = false, has_effects = false;
 
     const LawNumbers& numbers;
     T kn, kt;  // N/m

@@ -172,37 +172,6 @@ constexpr std::array all_laws{
             make_hertz_mindlin},
 };
 
-constexpr std::array rolling_resistance_parameters{
-    ParameterInfo{"rolling_friction",
-                  "eta",
-                  "1",
-                  0.0,
-                  2.0,
-                  {PriorKind::uniform, 0, 0, 0.0, 0.5},
-                  "largest moment over normal force and smaller radius",
-                  "Iwashita and Oda 1998; Ai et al. 2011",
-                  fitted},
-    ParameterInfo{"rolling_stiffness",
-                  "k_r/(k_t R_i R_j)",
-                  "1",
-                  1e-3,
-                  100.0,
-                  {PriorKind::uniform, 0, 0, 0.5, 4.0},
-                  "elastic stiffness of the moment",
-                  "Ai et al. 2011; 2 as in YADE's cohesive-frictional law",
-                  2.0},
-};
-
-void add_rolling_resistance(ContactLaw& law, std::span<const double> v) {
-    law.rolling = {v[0], v[1]};
-}
-
-constexpr std::array all_effects{
-    EffectInfo{"rolling_resistance", "elastic-plastic moment against rolling; twisting stays free",
-               "Iwashita and Oda 1998; Ai et al. 2011, model C", rolling_resistance_parameters, 3, true,
-               add_rolling_resistance},
-};
-
 }  // namespace
 
 std::span<const LawInfo> laws() {
@@ -212,15 +181,6 @@ std::span<const LawInfo> laws() {
 const LawInfo* find_law(std::string_view name) {
     const auto at = std::ranges::find(all_laws, name, &LawInfo::name);
     return at == all_laws.end() ? nullptr : at;
-}
-
-std::span<const EffectInfo> effects() {
-    return all_effects;
-}
-
-const EffectInfo* find_effect(std::string_view name) {
-    const auto at = std::ranges::find(all_effects, name, &EffectInfo::name);
-    return at == all_effects.end() ? nullptr : at;
 }
 
 }  // namespace loam::engine

@@ -1,7 +1,7 @@
 // The contact laws and effects that the engine knows, with what each declares of its parameters, its history
 // and its partners. The command line, the configuration reader, the generated reference and the contract
-// tests read these tables. To add a law: one header engine/contact/<name>.hpp, and one line of laws() in
-// registry.cpp.
+// tests read these tables. To add a law or an effect: one header engine/contact/<name>.hpp, and one line of
+// the table in registry.cpp or registry_effects.cpp.
 #pragma once
 
 #include <limits>
@@ -50,10 +50,15 @@ struct EffectInfo {
     std::string_view meaning;
     std::string_view source;
     std::span<const ParameterInfo> parameters;  // the first is the strength, 0 for none
-    int history;                                // doubles that it keeps for each contact
-    bool needs_rotation;                        // else rotations may be blocked
+    int history;          // doubles that it keeps for each contact; those but rolling_resistance share theirs
+    bool needs_rotation;  // else rotations may be blocked
+    bool needs_fragile;   // the bonds of linear-cohesive must be fragile
+    std::span<const std::string_view> laws;  // that it goes with; empty: every one
     /// Adds the effect with these values (SI), in the order of `parameters`.
     void (*apply)(ContactLaw& law, std::span<const double> values);
+
+    /// Whether it goes with the law of that name.
+    bool goes_with(std::string_view law) const;
 };
 
 /// All laws, in a fixed order. The first is the default.
@@ -62,7 +67,7 @@ std::span<const LawInfo> laws();
 /// The law of that name, or nullptr.
 const LawInfo* find_law(std::string_view name);
 
-/// All effects, in a fixed order. Each goes with every law.
+/// All effects, in a fixed order.
 std::span<const EffectInfo> effects();
 
 /// The effect of that name, or nullptr.

@@ -53,7 +53,9 @@ LOAM_INLINE void limit_damped_shear(const Law& law, Column fn, Column kt_dt, She
     const Column3 both = plus_scaled(s.trial, dashpot, s.slip_rate);
     const Column s2 = dot(both, both), on = choose(law.active, one, zero);
     s.sliding = (s2 > limit * limit) & law.active;
-    s.force = scaled(choose(s.sliding, limit * inverse_sqrt(choose(s.sliding, s2, one)), on), both);
+    s.force = scaled(
+        choose(s.sliding, law.shear_limit_of_sliding(fn) * inverse_sqrt(choose(s.sliding, s2, one)), on),
+        both);
     s.now = scaled(on, s.trial);
     if (!any(s.sliding)) return;
     const Mask springy = kt_dt > zero;
@@ -142,6 +144,28 @@ LOAM_INLINE void resist_rolling(const ContactArguments& a, std::size_t k, const 
     store3(x, y, z, r.now);
 }
 
+/// Where the effects' memory of a contact stands in its further history.
+template <Turning turning>
+constexpr int memory_at = turning == Turning::resisted ? 3 : 0;
+
+/// The law on `lanes` pairs; `state` is what they kept of it.
+template <class Law, Turning turning>
+LOAM_INLINE Law law_on(const ContactArguments& a, std::size_t k, const Touch<Column>& pair, Column state,
+                       Mask touching) {
+    if constexpr (Law::has_effects) {
+        double* const* memory = a.further + memory_at<turning>;
+        return Law(a.law, pair, state, {load(memory[0] + k), load(memory[1] + k), load(memory[2] + k)});
+    } else {
+        return Law(a.law, pair, state, touching);
+    }
+}
+
+template <Turning turning, class Memory>
+LOAM_INLINE void store_memory(const ContactArguments& a, std::size_t k, const Memory& now) {
+    double* const* memory = a.further + memory_at<turning>;
+    store3(memory[0] + k, memory[1] + k, memory[2] + k, {now.kt, now.largest, now.cement});
+}
+
 /// What the contacts took out of the motion in this step; `damping` is the power of the normal dashpots. To
 /// be called before the new history is stored.
 template <Turning turning, class Law>
@@ -151,6 +175,7 @@ LOAM_INLINE void add_losses(const ContactArguments& a, std::size_t k, const Law&
     if constexpr (Law::rescales)
         totals.add_rescale({load(a.shear_x + k), load(a.shear_y + k), load(a.shear_z + k)}, law.last_kt,
                            s.before, law.kt);
+    if constexpr (Law::has_effects) totals.lost += law.lost();
     if constexpr (Law::viscous) {
         totals.add_damped_sliding(s, s.force, scaled(splat(a.dt), s.slip_rate));
         totals.lost += a.dt * damping;
@@ -158,7 +183,8 @@ LOAM_INLINE void add_losses(const ContactArguments& a, std::size_t k, const Law&
         const Mask ended = touching & ~law.active;
         if (any(s.sliding | ended)) {
             totals.add_sliding(s);
-            totals.lost += choose(ended, 0.5 * law.twice_stored(law.force, pair.overlap), splat(0.0));
+            if constexpr (!Law::has_effects)
+                totals.lost += choose(ended, 0.5 * law.twice_stored(law.force, pair.overlap), splat(0.0));
         }
     }
     if constexpr (turning == Turning::resisted) {
@@ -179,7 +205,7 @@ LOAM_INLINE void add_forces(const ContactArguments& a, std::size_t k, const Geom
                                 load(a.reduced_radius + k), load(a.area + k)};
     const Column state = load(a.bond + k);
     const Mask touching = state > bond_none;
-    const Law law(a.law, pair, state, touching);
+    const Law law = law_on<Law, turning>(a, k, pair, state, touching);
     if (!any(law.active | touching)) return;
     const Column elastic = choose(law.active, law.force, zero);
     const Column3 normal = scaled(g.inverse_d, g.branch);
@@ -200,7 +226,9 @@ LOAM_INLINE void add_forces(const ContactArguments& a, std::size_t k, const Geom
     } else {
         limit_shear(law, fn, s);
     }
-    const Column3 f = minus_scaled(s.force, fn, normal);  // on i
+    Column net = fn;
+    if constexpr (Law::has_effects) net -= law.pull();
+    const Column3 f = minus_scaled(s.force, net, normal);  // on i
     RollingStep rolling;
     if constexpr (turning == Turning::blocked) {
         scatter_forces(a, k, f);
@@ -224,12 +252,22 @@ LOAM_INLINE void add_forces(const ContactArguments& a, std::size_t k, const Geom
         add_losses<turning>(a, k, law, pair, touching, (fn - elastic) * closing, s, rolling, totals);
     }
     if constexpr (measure == Measure::all) {
-        totals.add_contacts(law.active, f, g.branch, fn, law.kn, pair.overlap, pair.radius_sum);
-        totals.add_stored(s.now, law.kt, law.twice_stored(elastic, pair.overlap));
+        totals.add_contacts(law.active, f, g.branch, net, law.kn, pair.overlap, pair.radius_sum);
+        if constexpr (Law::has_effects)
+            totals.add_stored(s.now, law.kt, law.twice_stored());
+        else
+            totals.add_stored(s.now, law.kt, law.twice_stored(elastic, pair.overlap));
         if constexpr (turning == Turning::resisted) totals.add_stored(rolling.now, rolling.stiffness, zero);
     }
     store3(a.shear_x + k, a.shear_y + k, a.shear_z + k, s.now);
-    store(a.bond + k, choose(law.active, law.next_state(s.sliding), zero));
+    if constexpr (Law::has_effects) {
+        const auto memory = law.next_memory(s.sliding);
+        totals.cement += memory.cement;
+        store_memory<turning>(a, k, memory);
+        store(a.bond + k, law.next_state(s.sliding));
+    } else {
+        store(a.bond + k, choose(law.active, law.next_state(s.sliding), zero));
+    }
 }
 
 /// Contact forces of all pairs, as many at a time as there are lanes. Geometry runs ahead by a block: what

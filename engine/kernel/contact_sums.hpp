@@ -19,7 +19,7 @@ struct SpringStep {
 /// Lanes of the sums over contacts.
 struct ContactLanes {
     Column power = {}, lost = {}, stress[9] = {}, normal = {}, elastic = {}, stiffness = {}, active = {},
-           overlap = {};
+           overlap = {}, cement = {};
 
     /// What sliding takes out of a spring: the mean of the force before and after, times the slip.
     void add_sliding(const SpringStep& s) {
@@ -61,6 +61,7 @@ struct ContactLanes {
         out.contacts = sum(active);
         out.dissipation = sum(lost);
         out.power = sum(power);
+        out.cemented = sum(cement);
         out.max_overlap = 0;
         for (int l = 0; l < lanes; ++l)
             if (lane(overlap, l) > out.max_overlap) out.max_overlap = lane(overlap, l);

@@ -15,7 +15,7 @@ struct SpinRow;
 struct ForceRow;
 
 /// Doubles of history for each contact beyond shear force and bond.
-inline constexpr int max_further_history = 3;
+inline constexpr int max_further_history = 6;
 
 /// How particles turn: not, freely, or against rolling resistance.
 enum class Turning { blocked, free, resisted };
@@ -47,6 +47,7 @@ struct ContactSums {
     double contacts;        // number of active contacts
     double max_overlap;     // largest overlap over R_i + R_j
     double dissipation;     // J lost in this step by sliding and by breaking cohesion
+    double cemented;        // number of contacts whose cement holds
     double power;           // W of the stresses in the velocity gradient, compression positive
 
     ContactSums& operator+=(const ContactSums& part) {
@@ -57,6 +58,7 @@ struct ContactSums {
         contacts += part.contacts;
         if (part.max_overlap > max_overlap) max_overlap = part.max_overlap;
         dissipation += part.dissipation;
+        cemented += part.cemented;
         power += part.power;
         return *this;
     }
@@ -92,16 +94,25 @@ enum class Measure { nothing, energies, all };  // energies: only power and diss
 
 using ContactLoop = void (*)(const ContactArguments&, ContactSums&);
 
+/// The loops over contacts by base law (in the order of ContactLaw::base), Turning and Measure.
+struct ContactLoops {
+    ContactLoop by[3][3][3];
+};
+
 /// One instruction set's version of the loops.
 struct KernelTable {
     const char* name;
-    ContactLoop contacts[3][3][3];  // by base law (in the order of ContactLaw::base), Turning and Measure
+    ContactLoops contacts;
+    const ContactLoops* with_effects;                                    // contact/with_effects.hpp
     void (*integrate[2][3])(const IntegrateArguments&, IntegrateSums&);  // by free rotation and Measure
 };
 
 extern const KernelTable kernel_avx512;
 extern const KernelTable kernel_avx2;
 extern const KernelTable kernel_baseline;
+extern const ContactLoops effects_avx512;
+extern const ContactLoops effects_avx2;
+extern const ContactLoops effects_baseline;
 
 /// The fastest table that this processor runs. LOAM_KERNEL=avx512|avx2|baseline in the environment overrides
 /// it.

@@ -1,4 +1,4 @@
 // The loops of kernel.hpp for one instruction set; the flags stand in engine/CMakeLists.txt.
 #include "engine/kernel/kernel.inc"
 
-LOAM_KERNEL_TABLE(kernel_avx2, "avx2")
+LOAM_KERNEL_TABLE(kernel_avx2, effects_avx2, "avx2")

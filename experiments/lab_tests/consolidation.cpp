@@ -16,4 +16,9 @@ engine::ServoSummary consolidate_with(engine::Simulation& simulation, const engi
     return consolidate(simulation, stress, servo, cancelled);
 }
 
+void begin_test(engine::Simulation& simulation, const engine::ContactLaw& law) {
+    simulation.set_law(law);
+    simulation.cement_contacts();
+}
+
 }  // namespace loam::experiments

@@ -17,4 +17,8 @@ engine::ServoSummary consolidate_with(engine::Simulation& simulation, const engi
                                       const engine::ServoOptions& servo,
                                       const std::function<bool()>& cancelled);
 
+/// Makes the specimen that has been seated with law.of_seating() that of the test: its contacts are cemented
+/// now, and from now on a part of what they are pressed together stays, where the law has these effects.
+void begin_test(engine::Simulation& simulation, const engine::ContactLaw& law);
+
 }  // namespace loam::experiments

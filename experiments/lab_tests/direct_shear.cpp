@@ -172,12 +172,13 @@ DirectShearResult run_direct_shear(const engine::Packing& packing, const engine:
     options.validate();
     DirectShearResult result;
     engine::Box rest = box;
-    const engine::Packing start = rested(packing, rest, law, how, options, result, cancelled);
+    const engine::ContactLaw seating = law.of_seating();
+    const engine::Packing start = rested(packing, rest, seating, how, options, result, cancelled);
     if (!result.reason.empty()) return result;
 
     const double length = rest.sides().x(), travel = 1.02 * options.displacements.back() * length;
     const RoomyPacking roomy = with_room(start, rest, travel);
-    Simulation simulation(roomy.packing, law, how);
+    Simulation simulation(roomy.packing, seating, how);
     const ShearBox shear_box(simulation, roomy.box, options.gap * simulation.mean_diameter(), travel,
                              options.wall_friction_angle);
     simulation.set_reference_volume(roomy.box.volume());
@@ -186,6 +187,7 @@ DirectShearResult run_direct_shear(const engine::Packing& packing, const engine:
         result.reason = "the packing did not come to rest under the normal stress";
         return result;
     }
+    begin_test(simulation, law);
     simulation.restart_energy_balance();
     for (const double displacement : options.displacements)
         result.readings.push_back(shearing.to(displacement));

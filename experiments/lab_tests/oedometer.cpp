@@ -7,6 +7,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "experiments/lab_tests/consolidation.hpp"
+
 namespace loam::experiments {
 namespace {
 
@@ -160,16 +162,8 @@ OedometerResult run_oedometer(Simulation& simulation, const engine::ContactLaw& 
     OedometerResult result;
     const auto stages = static_cast<Eigen::Index>(options.stages.size());
     result.strain = Eigen::VectorXd::Constant(stages, none);
-    if (options.seating_stiffness > 0) {
-        // Stiffening scales all forces at once; small factors let the packing expand without coming apart.
-        for (double modulus = options.seating_stiffness * options.isotropic_stress;
-             modulus < law.young_modulus(); modulus *= 4) {
-            simulation.set_law(law.with_young_modulus(modulus));
-            consolidate(simulation, options.isotropic_stress, options.servo, cancelled);
-        }
-    }
-    simulation.set_law(law);
-    const auto seated = consolidate(simulation, options.isotropic_stress, options.servo, cancelled);
+    const auto seated = consolidate_with(simulation, law.of_seating(), options.isotropic_stress,
+                                         options.seating_stiffness, options.servo, cancelled);
     result.seating_error = seated.stress_error;
     if (!seated.converged) {
         result.reason = "the packing did not come to rest at the seating stress";
@@ -184,6 +178,7 @@ OedometerResult run_oedometer(Simulation& simulation, const engine::ContactLaw& 
         loading.to(options.seating_stress);
         loading.mark_seated();
     }
+    begin_test(simulation, law);
     for (Eigen::Index k = 0; k < stages && result.complete; ++k) {
         // At the seating stress itself strain is zero by definition.
         const bool at_seat = k == 0 && options.stages[0] <= options.seating_stress * 1.0001;

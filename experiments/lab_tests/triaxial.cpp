@@ -144,8 +144,9 @@ class Compression {
 bool consolidate_specimen(Simulation& simulation, const engine::ContactLaw& law,
                           const TriaxialOptions& options, TriaxialResult& result,
                           const std::function<bool()>& cancelled) {
-    const auto rest = consolidate_with(simulation, law, options.cell_pressure, options.seating_stiffness,
-                                       steered(options.servo, options), cancelled);
+    const auto rest = consolidate_with(simulation, law.of_seating(), options.cell_pressure,
+                                       options.seating_stiffness, steered(options.servo, options), cancelled);
+    begin_test(simulation, law);
     result.consolidation_error = rest.stress_error;
     result.consolidation_steps = simulation.steps();
     result.consolidated_porosity = simulation.porosity();

@@ -1,6 +1,7 @@
 #include "experiments/settings/parameters.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <array>
 #include <cmath>
@@ -135,10 +136,19 @@ void complete_priors(Settings& settings, const Draft& draft) {
 }
 
 void check_effects(const Settings& settings, const Origins& origins) {
-    for (const std::string& name : settings.effects)
-        if (engine::find_effect(name)->needs_rotation && settings.rotation != "free")
+    for (const std::string& name : settings.effects) {
+        const engine::EffectInfo& effect = *engine::find_effect(name);
+        if (effect.needs_rotation && settings.rotation != "free")
             throw fault_at(origin_of(origins, "effects"), name, "needs particles that rotate",
                            "add --rotation free");
+        if (!effect.goes_with(settings.law))
+            throw fault_at(origin_of(origins, "effects"), name,
+                           fmt::format("does not go with the law {}", settings.law),
+                           fmt::format("it goes with {}", fmt::join(effect.laws, " and ")));
+        if (effect.needs_fragile && settings.law == "linear-cohesive" && !settings.engine.fragile)
+            throw fault_at(origin_of(origins, "effects"), name, "needs bonds that break",
+                           "write fragile = true under [engine]");
+    }
 }
 
 void check_parameters(const Settings& settings, const Origins& origins) {

@@ -1,9 +1,11 @@
 #include "experiments/workflows/effects.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <vector>
 
 #include "engine/contact/registry.hpp"
 #include "experiments/settings/parameters.hpp"
@@ -56,12 +58,18 @@ nlohmann::json as_json(const LawInfo& law) {
             {"parameters", as_json(law.parameters)}};
 }
 
+/// The laws that an effect goes with.
+std::vector<std::string_view> names_of_laws(const EffectInfo& effect) {
+    std::vector<std::string_view> names;
+    for (const LawInfo& law : engine::laws())
+        if (effect.goes_with(law.name)) names.push_back(law.name);
+    return names;
+}
+
 nlohmann::json as_json(const EffectInfo& effect) {
-    return {{"name", effect.name},
-            {"meaning", effect.meaning},
-            {"source", effect.source},
-            {"needs_rotation", effect.needs_rotation},
-            {"parameters", as_json(effect.parameters)}};
+    return {{"name", effect.name},           {"meaning", effect.meaning},
+            {"source", effect.source},       {"needs_rotation", effect.needs_rotation},
+            {"laws", names_of_laws(effect)}, {"parameters", as_json(effect.parameters)}};
 }
 
 void print_parameters(std::span<const ParameterInfo> parameters) {
@@ -86,8 +94,9 @@ void print_model() {
     }
     fmt::print("rotation of the particles: blocked or free, in every law (--rotation)\n");
     for (const EffectInfo& effect : engine::effects()) {
-        fmt::print("\neffect {}, on every law: {}{}\n  source: {}\n", effect.name, effect.meaning,
-                   effect.needs_rotation ? " (needs --rotation free)" : "", effect.source);
+        fmt::print("\neffect {}, on {}: {}{}\n  source: {}\n", effect.name,
+                   effect.laws.empty() ? "every law" : fmt::format("{}", fmt::join(effect.laws, ", ")),
+                   effect.meaning, effect.needs_rotation ? " (needs --rotation free)" : "", effect.source);
         print_parameters(effect.parameters);
     }
 }

@@ -16,6 +16,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <random>
 
 #include "engine/simulation.hpp"
@@ -52,6 +53,7 @@ struct Books {
     double change = 0;        // of elastic and kinetic energy
     double engine_error = 0;  // of the engine's own balance, over the effort
     double changes = 0;       // contacts that opened or closed, at least
+    double broken_bond_ratio = 0;
     double error() const { return std::abs(work - sliding - change) / effort; }
 };
 
@@ -63,6 +65,10 @@ Books keep_books(const ContactLaw& law, bool free_rotation, double disorder, dou
     how.energy_balance = true;
     how.largest_overlap = 10 * disorder;  // of Hertzian contacts: a constant time step
     Simulation simulation(disturbed_lattice(3, disorder, 7), law, how);
+    if (law.cementation.strength > 0) {
+        simulation.advance(1);
+        simulation.cement_contacts();
+    }
     // The path lasts `duration` times the p-wave's time across a particle, whatever the time step.
     const int steps = static_cast<int>(std::lround(duration / safety));
     const Matrix3d gradient = 3 * disorder / (steps * simulation.time_step()) * loading();
@@ -91,6 +97,7 @@ Books keep_books(const ContactLaw& law, bool free_rotation, double disorder, dou
         contacts_before = now.contacts;
         lost_before = simulation.energy().sliding;
     }
+    books.broken_bond_ratio = simulation.measured().broken_bond_ratio;
     const EnergyBalance& e = simulation.energy();
     books.engine_error =
         std::abs(e.work - e.sliding - e.damping - (e.stored - e.stored_start)) / books.effort;
@@ -191,6 +198,56 @@ TEST_P(Balance, DashpotsTakeEnergyAndNeverGive) {
         EXPECT_GT(books.sliding, 0.05 * books.effort) << law.base.index();
         EXPECT_LT(books.error(), 2e-3) << law.base.index();
         EXPECT_GE(books.smallest_loss, -1e-9 * books.sliding) << law.base.index();
+    }
+}
+
+/// Every effect alone and all together, on every law that it goes with, without dashpots; of a strength that
+/// the stresses of a lattice with this disorder meet.
+std::vector<ContactLaw> laws_with_effects(bool free_rotation, double disorder) {
+    const double stress = 50 * disorder / 1e-6;
+    std::vector<ContactLaw> laws;
+    for (ContactLaw base : other_laws(false, false)) {
+        for (const ContactLaw& law : {base, ContactLaw(law_with(0.31, 0))}) {
+            if (law.base.index() == 0 && base.base.index() != 1) continue;
+            const bool hertz = std::holds_alternative<HertzMindlin>(law.base);
+            const double scale = hertz ? stress * std::sqrt(disorder) : stress;
+            std::array<ContactLaw, 6> with;
+            with.fill(law);
+            with[0].adhesion.stress = with[5].adhesion.stress = scale;
+            with[1].capillarity = with[5].capillarity = {.suction = 2 * scale, .filling_angle = 0.05};
+            with[2].cementation.strength = with[5].cementation.strength = scale;
+            with[3].plastic.share = with[5].plastic.share = 0.3;
+            if (!hertz) with[4].hertzian = with[5].hertzian = {.share = 0.7, .reference_pressure = stress};
+            if (free_rotation) with[5].rolling.friction = 0.05;
+            for (const ContactLaw& one : with) laws.push_back(one);
+        }
+    }
+    return laws;
+}
+
+TEST_P(Balance, ClosesWithEveryEffect) {
+    // A bond that breaks is known to v dt, as above: an error of first order.
+    for (const ContactLaw& law : laws_with_effects(GetParam(), 1e-6)) {
+        const Books books = keep_books(law, GetParam(), 1e-6, 0.01, 40);
+        EXPECT_GT(books.sliding, 0.02 * books.effort) << law.base.index();
+        EXPECT_LT(books.error(), 1e-5) << law.base.index();
+        EXPECT_GE(books.smallest_loss, -1e-9 * books.sliding) << law.base.index();
+        EXPECT_EQ(books.broken_bond_ratio > 0, law.cementation.strength > 0) << law.base.index();
+        EXPECT_LT(books.broken_bond_ratio, 1);
+    }
+}
+
+TEST_P(Balance, ClosesWhereLiquidBridgesRupture) {
+    // At strains of 6 %, without friction, so that ruptures alone lose energy; each is known to v dt, and the
+    // balance to 3 % of what they lose.
+    for (const ContactLaw& base : {ContactLaw(law_with(0, 0)), other_laws(false, false)[1]}) {
+        ContactLaw law = base;
+        std::visit([](auto& one) { one.friction_angle = 0; }, law.base);
+        law.capillarity = {.suction = 3e7, .filling_angle = 0.05};
+        const Books books = keep_books(law, GetParam(), 0.02, 0.01, 100);
+        EXPECT_GT(books.sliding, 1e-4 * books.effort) << law.base.index();
+        EXPECT_LT(books.error() * books.effort, 0.03 * books.sliding) << law.base.index();
+        EXPECT_GE(books.smallest_loss, 0) << law.base.index();
     }
 }
 
