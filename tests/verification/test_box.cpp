@@ -100,7 +100,7 @@ TEST_P(Boxed, RoughSideWallsTakePartOfTheLoad) {
 
 TEST_P(Boxed, TriaxialCompressionKeepsTheGrainsInsideAndTheSidesUnderPressure) {
     // To 20 % strain at an inertial number of 1e-3: the pressure on the sides is on average within 0.5 % of
-    // the cell pressure (issue: 1 %), and Love-Weber's stress within 1 % of the walls'.
+    // the cell pressure (wanted: 1 %), and Love-Weber's stress within 1 % of the walls'.
     Specimen s(GetParam());
     StressServo servo({pressure, pressure, NAN}, s.servo);
     const double height = s.box().sides().z();

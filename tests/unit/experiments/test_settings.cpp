@@ -45,7 +45,9 @@ struct Change {
     }
     void operator()(std::filesystem::path* slot) const { *slot = "/some folder/\"quoted\" \\ back\tslash"; }
     void operator()(std::string* slot) const {
-        *slot = field.choices ? std::string(field.choices().back()) : "a \"name\"\n";
+        *slot = field.choices            ? std::string(field.choices().back())
+                : field.key == "confirm" ? "7"
+                                         : "a \"name\"\n";
     }
     void operator()(std::vector<std::string>* slot) const {
         slot->push_back(field.choices ? std::string(field.choices().back()) : "b.csv");
