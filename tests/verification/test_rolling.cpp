@@ -169,6 +169,110 @@ TEST(RollingResistance, IsASpringBelowItsLimit) {
         }
 }
 
+TEST(RollingResistance, TakesItsShareOfTheImpulseOfAnImpact) {
+    // Opposite spins, far too fast for the springs of rolling: the moment is at its limit as long as the
+    // force presses, so that each sphere loses eta min(R) J / I, J = m v (1 + e'') as for friction (see
+    // test_oblique_further_laws.cpp). No slip: R_0 w_0 + R_1 w_1 = 0, which equal spheres keep.
+    const double eta = 0.05;
+    for (const bool dashpots : {false, true})
+        for (const ContactLaw& law : dashpots ? with_dashpots(laws(eta)) : laws(eta)) {
+            PairOptions o;
+            o.free_rotation = true;
+            o.safety = 0.002;
+            o.gap = 1e-12;
+            o.largest_overlap = 1e-4;
+            TwoSpheres spheres(law, o);
+            const double speed = 1e-3, start = 1000, r = o.radius_0;
+            const Vector3d t = o.direction.cross(Vector3d::UnitY()).normalized();
+            Matrix3Xd spins(3, 2);
+            spins << start * t, -start * t;
+            spheres.set_relative_velocity(-speed * o.direction);
+            spheres.simulation.set_spins(spins);
+            spheres.collide();
+            const double m = effective_mass(r, r, 2600);
+            double damping = 0;
+            if (dashpots && law.base.index() == 1) damping = 0.2;
+            if (dashpots && law.base.index() == 2) damping = std::log(2) / std::hypot(std::log(2), pi);
+            const double root = std::sqrt(1 - damping * damping);
+            const double angle = pi - std::atan2(2 * damping * root, 1 - 2 * damping * damping);
+            const double impulse = m * speed * (1 + std::exp(-damping / root * angle));
+            const double loss = start - spheres.simulation.spins().col(0).dot(t);
+            EXPECT_NEAR(loss / (eta * r * impulse / Chain::inertia(r)), 1, 2e-3)
+                << law.base.index() << dashpots;
+        }
+}
+
+/// Two spheres of radius 0.05 m held at an overlap, and turned by hand: in a time so short that forces do
+/// nothing.
+class Turned {
+  public:
+    static constexpr double overlap = 1e-4;
+
+    explicit Turned(const ContactLaw& law) : spheres_(law, options()) { spheres_.step(); }
+    /// Turns the spheres by these angles (rad, about fixed axes) in `steps` steps.
+    void turn(const Vector3d& by_0, const Vector3d& by_1, int steps) {
+        Matrix3Xd spins(3, 2);
+        spins << by_0, by_1;
+        spheres_.simulation.set_spins(spins / (steps * spheres_.simulation.time_step()));
+        spheres_.simulation.advance(steps);
+        spheres_.simulation.set_spins(Matrix3Xd::Zero(3, 2));
+        spheres_.step();
+    }
+    void set_overlap(double u) { spheres_.move_to((spheres_.radius_sum() - u) * normal()); }
+    double energy() const { return spheres_.simulation.measured().elastic_energy; }
+    static Vector3d normal() { return options().direction; }
+    static Vector3d across() { return normal().cross(Vector3d::UnitY()).normalized(); }
+
+  private:
+    static PairOptions options() {
+        PairOptions o;
+        o.free_rotation = true;
+        o.safety = 1e-9;
+        o.gap = -overlap;
+        o.largest_overlap = 0.01;
+        return o;
+    }
+    TwoSpheres spheres_;
+};
+
+TEST(RollingResistance, ForceAndMomentTurnWithSpheresThatTwistTogether) {
+    // Slip or rolling, half a turn of both about the normal, and the same slip or rolling again, about axes
+    // that stand still: force and moment have come round to the other side, and nothing is left. The
+    // tolerance is 1e-3 of what one of them stores; four times as much would be left without the turn. Only
+    // the mean of the spins, each times its radius, counts: the last pair turns half a turn unequally.
+    const Vector3d n = Turned::normal(), t = Turned::across();
+    for (const ContactLaw& law : laws(100))
+        for (const bool rolls : {false, true})
+            for (const double share : {0.5, 0.8}) {
+                Turned pair(law);
+                const double normal = pair.energy();
+                const Vector3d small = 1e-5 * t;
+                pair.turn(rolls ? Vector3d(-small) : small, small, 100);
+                const double stored = pair.energy() - normal;
+                EXPECT_GT(stored, 1e-5 * normal);
+                pair.turn(2 * share * pi * n, 2 * (1 - share) * pi * n, 5000);
+                EXPECT_NEAR((pair.energy() - normal) / stored, 1, 5e-3) << law.base.index() << rolls;
+                pair.turn(rolls ? Vector3d(-small) : small, small, 100);
+                EXPECT_NEAR(pair.energy() - normal, 0, 1e-3 * stored) << law.base.index() << rolls << share;
+            }
+}
+
+TEST(RollingResistance, HertzianMomentsShrinkWithTheirContactAndStayWhereItGrows) {
+    // As shear forces do (Elata and Berryman): M²/(2 k_r) with k_r ~ sqrt(u) falls either way, to the square
+    // root of the ratio of the overlaps. The normal energy 8/15 Y sqrt(R) u^(5/2) is taken off.
+    for (const double overlap : {0.25 * Turned::overlap, 4 * Turned::overlap}) {
+        const ContactLaw law = laws(100).back();
+        const double y = law.young_modulus() / (2 * 0.91);
+        const auto normal = [&](double u) { return 8.0 / 15 * y * std::sqrt(0.025) * std::pow(u, 2.5); };
+        Turned pair(law);
+        pair.turn(-1e-4 * Turned::across(), 1e-4 * Turned::across(), 100);
+        const double stored = pair.energy() - normal(Turned::overlap);
+        EXPECT_GT(stored, 1e-2 * normal(Turned::overlap));
+        pair.set_overlap(overlap);
+        EXPECT_NEAR((pair.energy() - normal(overlap)) / stored, 0.5, 1e-4) << overlap;
+    }
+}
+
 TEST(RollingResistance, LetsSpheresTwist) {
     for (const ContactLaw& law : with_dashpots(laws(0.02))) {
         Chain chain(law, Vector3d(40, 0, 0), Vector3d(-40, 0, 0));
