@@ -1,12 +1,12 @@
-// Head-on impacts and rolling under the laws linear-damped and hertz-mindlin and the effect
-// rolling_resistance.
+// Head-on impacts under the laws linear-damped and hertz-mindlin, and the energy of their contacts.
 //
 // linear-damped: overlap of a damped oscillator, from contact to the end of the overlap (the dashpot may
 // pull):
 //   restitution exp(-pi D / sqrt(1 - D²)), duration pi / (w sqrt(1 - D²)), w² = k / m      (e.g. Schwager and
 //   Poeschel 2007, eqs 4-8).
 // hertz-mindlin without dashpots (Hertz 1882; Johnson 1985, section 11.4): largest overlap
-//   (15 m v² / (16 Y sqrt R))^(2/5), peak force 4/3 Y sqrt(R) overlap^(3/2), duration 2.9432 overlap / v.
+//   (15 m v² / (16 Y sqrt R))^(2/5), peak force 4/3 Y sqrt(R) overlap^(3/2), duration 2 sqrt(pi) Gamma(7/5) /
+//   Gamma(9/10) = 2.9433 overlap / v.
 // hertz-mindlin with dashpots: the restitution is the parameter, at any speed (Antypov and Elliott 2011).
 #include <gtest/gtest.h>
 
@@ -17,7 +17,6 @@
 namespace loam::engine {
 namespace {
 
-using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 using std::numbers::pi;
 
@@ -64,7 +63,8 @@ PairOptions options_of(const Pair& pair) {
 }
 
 TEST(LinearDampedImpact, HasTheRestitutionAndDurationOfADampedOscillator) {
-    // Tolerance: the dashpot sees the velocity of half a step before, an error of first order in w dt (2e-3).
+    // Tolerance: the dashpot sees the velocity of half a step before, an error of first order in w dt (7e-4
+    // and less).
     for (const Pair& pair : pairs)
         for (const double share : {0.0, 0.05, 0.2, 0.6}) {
             LinearDamped law;
@@ -74,12 +74,13 @@ TEST(LinearDampedImpact, HasTheRestitutionAndDurationOfADampedOscillator) {
             const double w = std::sqrt(k / effective_mass(pair.radius_0, pair.radius_1, 2600));
             const double slow = std::sqrt(1 - share * share);
             const Impact impact = collide(law, options_of(pair), 0.3);
-            EXPECT_NEAR(impact.restitution / std::exp(-pi * share / slow), 1, 5e-3) << share;
-            EXPECT_NEAR(impact.duration * w * slow / pi, 1, 2e-3) << share;
+            EXPECT_NEAR(impact.restitution / std::exp(-pi * share / slow), 1, 1e-3) << share;
+            EXPECT_NEAR(impact.duration * w * slow / pi, 1, 3e-4) << share;
         }
 }
 
 TEST(HertzImpact, HasTheOverlapForceAndDurationOfHertz) {
+    const double hertz_duration = 2 * std::sqrt(pi) * std::tgamma(1.4) / std::tgamma(0.9);
     for (const Pair& pair : pairs)
         for (const double speed : {0.01, 0.3}) {
             HertzMindlin law;
@@ -92,10 +93,10 @@ TEST(HertzImpact, HasTheOverlapForceAndDurationOfHertz) {
             PairOptions o = options_of(pair);
             o.largest_overlap = overlap / (pair.radius_0 + pair.radius_1);
             const Impact impact = collide(law, o, speed);
-            EXPECT_NEAR(impact.restitution, 1, 1e-5);
+            EXPECT_NEAR(impact.restitution, 1, 1e-6);
             EXPECT_NEAR(impact.largest_overlap / overlap, 1, 1e-5);
             EXPECT_NEAR(impact.peak_force / (4.0 / 3.0 * y * std::sqrt(r) * std::pow(overlap, 1.5)), 1, 1e-5);
-            EXPECT_NEAR(impact.duration * speed / overlap, 2.9432, 1e-3);
+            EXPECT_NEAR(impact.duration * speed / overlap, hertz_duration, 1e-5 * hertz_duration);
         }
 }
 
@@ -108,7 +109,7 @@ TEST(HertzImpact, HasTheRestitutionThatItIsGivenAtAnySpeed) {
                 law.restitution = restitution;
                 PairOptions o = options_of(pair);
                 o.largest_overlap = 1e-3;
-                EXPECT_NEAR(collide(law, o, speed).restitution, restitution, 3e-3) << speed;
+                EXPECT_NEAR(collide(law, o, speed).restitution, restitution, 2e-4) << speed;
             }
 }
 
@@ -134,126 +135,77 @@ TEST(FurtherLaws, ForceIsTheSlopeOfTheStoredEnergy) {
     }
 }
 
-/// Four equal spheres in a row that closes through the boundary, pressed together for good.
-struct Chain {
-    static constexpr double radius = 0.05, overlap = 1e-4;
+/// Two spheres of Hertz and Mindlin that are moved by hand, and the work that this takes.
+class Walk {
+  public:
+    explicit Walk(const HertzMindlin& law) : spheres_(law, options()) {}
 
-    static Packing packing() {
-        Packing out;
-        const double spacing = 2 * radius - overlap;
-        out.cell = Vector3d(4 * spacing, 1, 1).asDiagonal();
-        out.centres.resize(3, 4);
-        for (int k = 0; k < 4; ++k) out.centres.col(k) = Vector3d((k + 0.5) * spacing, 0.5, 0.5);
-        out.radii = Eigen::VectorXd::Constant(4, radius);
-        return out;
+    double sum() const { return spheres_.radius_sum(); }
+    /// Along a straight line of overlap and path around the first sphere, in small steps (m).
+    void go(double overlap, double path) {
+        const double overlap_before = overlap_, path_before = path_;
+        const int parts = started_ ? 100 : 1;
+        for (int k = 1; k <= parts; ++k) {
+            const double share = static_cast<double>(k) / parts;
+            overlap_ = overlap_before + share * (overlap - overlap_before);
+            path_ = path_before + share * (path - path_before);
+            const Vector3d next =
+                (sum() - overlap_) * (std::cos(path_ / sum()) * n_ + std::sin(path_ / sum()) * t_);
+            const Vector3d force = -spheres_.move_to(next);  // on the second
+            if (started_) work_ -= 0.5 * (force_ + force).dot(next - here_);
+            here_ = next;
+            force_ = force;
+        }
+        started_ = true;
     }
-    static SimulationOptions how() {
-        SimulationOptions options;
-        options.free_rotation = true;
-        options.damping = 0;
-        options.time_step_safety = 0.01;
-        options.largest_overlap = 0.01;
-        return options;
-    }
-    /// Neighbours turn against each other, about an axis across the chain or along it.
-    Chain(const ContactLaw& law, const Vector3d& spin) : simulation(packing(), law, how()) {
-        Matrix3Xd spins(3, 4);
-        for (int k = 0; k < 4; ++k) spins.col(k) = k % 2 == 0 ? spin : Vector3d(-spin);
-        simulation.set_spins(spins);
-    }
-    static double inertia() { return 0.4 * sphere_mass(radius, 2600) * radius * radius; }
+    double work() const { return work_; }
+    /// What the engine has booked as lost, and as stored (J).
+    double lost() const { return spheres_.simulation.energy().sliding; }
+    double stored() const { return spheres_.simulation.measured().elastic_energy; }
 
-    Simulation simulation;
+  private:
+    static PairOptions options() {
+        PairOptions o = options_of(pairs[1]);
+        o.safety = 1e-9;
+        o.largest_overlap = 0.01;
+        return o;
+    }
+    TwoSpheres spheres_;
+    const Vector3d n_ = options().direction, t_ = n_.cross(Vector3d::UnitY()).normalized();
+    double overlap_ = 0, path_ = 0, work_ = 0;
+    bool started_ = false;
+    Vector3d here_, force_;
 };
 
-std::vector<ContactLaw> rolling_laws(double friction) {
-    LinearDamped damped;
-    damped.normal_damping = damped.tangential_damping = 0;
-    HertzMindlin hertz;
-    hertz.restitution = 1;
-    std::vector<ContactLaw> laws{elastic_law(1e8), damped, hertz};
-    for (ContactLaw& law : laws) law.rolling.friction = friction;
-    return laws;
-}
-
-TEST(RollingResistance, StopsSpheresThatRollOnEachOther) {
-    // Equal and opposite spins: no slip at the contacts. At the limit the moment on each is 2 eta F_n R, of
-    // both contacts, so the spin falls in proportion to time. Tolerance 1 % of the spin at the start: the
-    // elastic beginning.
-    for (const ContactLaw& law : rolling_laws(0.02)) {
-        Chain chain(law, Vector3d(0, 0, 40));
-        chain.simulation.advance(1);
-        const double force = chain.simulation.contacts().front().normal_force;
-        ASSERT_EQ(chain.simulation.contacts().size(), 4u);
-        const double slope = 2 * 0.02 * force * Chain::radius / Chain::inertia(), stop = 40 / slope;
-        const double dt = chain.simulation.time_step();
-        for (const double part : {0.25, 0.5, 0.75}) {
-            const double done = static_cast<double>(chain.simulation.steps());
-            chain.simulation.advance(static_cast<int>(part * stop / dt - done));
-            const Matrix3Xd spins = chain.simulation.spins();
-            EXPECT_NEAR(spins(2, 0), 40 * (1 - part), 0.4) << law.base.index();
-            EXPECT_NEAR(spins(2, 0) + spins(2, 1), 0, 1e-9);
+TEST(FurtherLaws, NormalLoadUnderShearMakesNoEnergy) {
+    // Elata and Berryman's cycles: shear by s at one overlap, change the overlap, shear back, return. A
+    // spring k_t(u) times its displacement would give +-(k_2 - k_1) s²/2 a cycle, one way round. With a force
+    // that stays while the contact grows, and shrinks with it, work of (k_2 - k_1) s²/2 goes in both ways
+    // round, in every cycle. Tolerance 2e-3: the path of the spring is (R_0 + R_1)/d as long as that of the
+    // centres. The engine's books know the spring's: 1e-6.
+    HertzMindlin law;
+    law.friction_angle = 1.5;
+    law.restitution = 1;
+    const double reduced = 0.05 * 0.02 / 0.07;
+    const auto kt = [&](double u) { return 2 * law.young_modulus / (1.3 * 1.7) * std::sqrt(reduced * u); };
+    for (const bool loads_under_shear : {true, false}) {
+        Walk walk(law);
+        const double low = 1e-4 * walk.sum(), high = 4e-4 * walk.sum(), s = 2e-5 * walk.sum();
+        const double first = loads_under_shear ? low : high, second = loads_under_shear ? high : low;
+        walk.go(first, 0);
+        for (int cycle = 0; cycle < 3; ++cycle) {
+            const double work = walk.work(), lost = walk.lost(), booked = lost + walk.stored();
+            walk.go(first, s);
+            walk.go(second, s);
+            walk.go(second, 0);
+            walk.go(first, 0);
+            const double expected = 0.5 * (kt(high) - kt(low)) * s * s;
+            EXPECT_NEAR((walk.work() - work) / expected, 1, 2e-3) << loads_under_shear << cycle;
+            EXPECT_NEAR((walk.lost() + walk.stored() - booked) / expected, 1, 1e-6)
+                << loads_under_shear << cycle;
+            EXPECT_GT(walk.lost(), lost);
         }
     }
-}
-
-TEST(RollingResistance, IsASpringBelowItsLimit) {
-    // I dw/dt = -2 k_r (angle between the spheres), k_r = 2 k_t R²: the spin is zero after a quarter period.
-    for (const ContactLaw& law : rolling_laws(100)) {
-        Chain chain(law, Vector3d(0, 1e-3, 0));
-        const double modulus = law.young_modulus(), nu = 0.3;
-        const std::array kt{
-            0.4 * modulus * Chain::radius, 0.5 * pi * modulus * Chain::radius / 1.2,
-            2 * modulus / ((1 + nu) * (2 - nu)) * std::sqrt(0.5 * Chain::radius * Chain::overlap)};
-        const double kr = 2 * kt[law.base.index()] * Chain::radius * Chain::radius;
-        const double quarter = 0.5 * pi / std::sqrt(4 * kr / Chain::inertia());
-        const int steps = static_cast<int>(std::lround(quarter / chain.simulation.time_step()));
-        chain.simulation.advance(steps);
-        EXPECT_NEAR(chain.simulation.spins()(1, 0), 0, 1e-3 * 0.01) << law.base.index();
-        chain.simulation.advance(steps);
-        EXPECT_NEAR(chain.simulation.spins()(1, 0), -1e-3, 1e-3 * 0.01) << law.base.index();
-    }
-}
-
-TEST(RollingResistance, LetsSpheresTwist) {
-    for (const ContactLaw& law : rolling_laws(0.02)) {
-        Chain chain(law, Vector3d(40, 0, 0));
-        chain.simulation.advance(2000);
-        EXPECT_NEAR(chain.simulation.spins()(0, 0), 40, 1e-9) << law.base.index();
-    }
-}
-
-TEST(RollingResistance, OfStrengthZeroIsTheBaseLawBitForBit) {
-    PackingOptions options;
-    options.particles = 200;
-    const Packing packing = make_packing(options).packing;
-    for (ContactLaw law :
-         {ContactLaw(LinearCohesive{}), ContactLaw(LinearDamped{}), ContactLaw(HertzMindlin{})}) {
-        Eigen::Matrix3Xd centres[3];
-        for (const double strength : {-1.0, 0.0, 0.1}) {
-            ContactLaw one = law;
-            if (strength >= 0) one.rolling = {.friction = strength, .stiffness = 3};
-            SimulationOptions how;
-            how.free_rotation = true;
-            how.time_step_safety = 0.3;
-            Simulation simulation(packing, one, how);
-            Eigen::Matrix3d gradient = Eigen::Matrix3d::Zero();
-            gradient(2, 2) = -1e-5 / simulation.time_step();
-            simulation.set_velocity_gradient(gradient);
-            simulation.advance(500);
-            centres[strength < 0 ? 0 : strength > 0 ? 2 : 1] = simulation.packing().centres;
-        }
-        EXPECT_EQ(centres[1], centres[0]) << law.base.index();
-        EXPECT_NE(centres[2], centres[0]) << law.base.index();  // and it does something
-    }
-}
-
-TEST(RollingResistance, NeedsParticlesThatTurn) {
-    ContactLaw law;
-    law.rolling.friction = 0.1;
-    SimulationOptions how;
-    how.free_rotation = false;
-    EXPECT_THROW(Simulation(Chain::packing(), law, how), std::invalid_argument);
 }
 
 }  // namespace

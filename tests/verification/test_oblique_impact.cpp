@@ -1,4 +1,5 @@
-// Oblique impact of two equal spheres with the linear law, rotations blocked and free.
+// Oblique impact of two equal spheres with linear springs, rotations blocked and free: the laws
+// linear-cohesive, and linear-damped without its dashpots (with them: test_oblique_further_laws.cpp).
 //
 // Dimensionless, after Maw, Barber & Fawcett (1976), Walton (1993) and Di Renzo & Di Maio (2004): q = k_t /
 // k_n, V = v_t / (mu v_n) with v_t the tangential velocity of the contact point, time in 1 / sqrt(k_n /
@@ -19,6 +20,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <string>
+#include <tuple>
 
 #include "tests/verification/two_spheres.hpp"
 
@@ -29,30 +32,21 @@ using Eigen::Vector3d;
 
 constexpr double modulus = 1e8, density = 2600, pi = std::numbers::pi;
 
-struct Rebound {
-    double normal;      // velocity of the centres over the one before
-    double tangential;  // change of the tangential velocity of the centres over -v_n
-    double sideways;    // out of the plane of motion, over v_n
-    double rotation;    // rotational energy over m_eff v_n^2
+struct Rebound : ObliqueRebound {
     double step_angle;  // sqrt(k_n / m_eff) dt
 };
 
-Rebound collide(const LinearCohesive& law, const PairOptions& pair, double tangential_over_normal) {
-    const double w = std::sqrt(series_stiffness(modulus, pair.radius_0, pair.radius_1) /
-                               effective_mass(pair.radius_0, pair.radius_1, density));
+double normal_stiffness(const ContactLaw& law, const PairOptions& o) {
+    return std::holds_alternative<LinearDamped>(law.base) ? 0.25 * pi * modulus * (o.radius_0 + o.radius_1)
+                                                          : series_stiffness(modulus, o.radius_0, o.radius_1);
+}
+
+Rebound collide(const ContactLaw& law, const PairOptions& pair, double tangential_over_normal) {
+    const double w =
+        std::sqrt(normal_stiffness(law, pair) / effective_mass(pair.radius_0, pair.radius_1, density));
     const double speed = 1e-7 * std::min(pair.radius_0, pair.radius_1) * w;
-    PairOptions o = pair;
-    o.gap = 1e-9 * pair.radius_0;
-    TwoSpheres spheres(law, o);
-    const Vector3d n = o.direction, t = n.cross(Vector3d(0.3, 0.5, -0.2)).normalized();
-    spheres.set_relative_velocity(speed * (tangential_over_normal * t - n));
-    spheres.collide();
-    const Vector3d after = spheres.relative_velocity();
-    const double rotation = spheres.simulation.measured().kinetic_energy - spheres.energy_of_translation();
-    return {after.dot(n) / speed, tangential_over_normal - after.dot(t) / speed,
-            after.dot(n.cross(t)) / speed,
-            rotation / (effective_mass(o.radius_0, o.radius_1, density) * speed * speed),
-            w * spheres.simulation.time_step()};
+    const ObliqueRebound out = collide_obliquely(law, pair, speed, tangential_over_normal);
+    return {out, w * out.time_step};
 }
 
 /// V at the end of the impact, by the equations at the top of this file.
@@ -69,36 +63,45 @@ double integrated_rebound(double v, double q, double c) {
     return v;
 }
 
-LinearCohesive sliding_law(double friction, double stiffness_ratio) {
-    LinearCohesive law = elastic_law(modulus);
-    law.friction_angle = std::atan(friction);
-    law.stiffness_ratio = stiffness_ratio;
-    return law;
-}
-
-class ObliqueImpact : public testing::TestWithParam<bool> {
+class ObliqueImpact : public testing::TestWithParam<std::tuple<bool, bool>> {
   protected:
+    bool turns() const { return std::get<0>(GetParam()); }
+    bool damped_law() const { return std::get<1>(GetParam()); }
+    ContactLaw sliding_law(double friction, double stiffness_ratio, double shear_cohesion = 0) const {
+        if (damped_law()) {
+            LinearDamped law;
+            law.young_modulus = modulus;
+            law.friction_angle = std::atan(shear_cohesion > 0 ? 1e5 : friction);
+            law.stiffness_ratio = stiffness_ratio;
+            law.normal_damping = law.tangential_damping = 0;
+            return law;
+        }
+        LinearCohesive law = elastic_law(modulus);
+        law.friction_angle = std::atan(friction);
+        law.stiffness_ratio = stiffness_ratio;
+        law.shear_cohesion = shear_cohesion;
+        return law;
+    }
     PairOptions pair() const {
         PairOptions o;
-        o.free_rotation = GetParam();
+        o.free_rotation = turns();
         return o;
     }
-    double c() const { return GetParam() ? 3.5 : 1.0; }
+    double c() const { return turns() ? 3.5 : 1.0; }
     /// Rotational energy for a change j of the tangential velocity of the centres, over m_eff: each sphere
     /// has the spin m_eff j R / I, and m_eff = m / 2, I = 2/5 m R^2.
-    double rotation_for(double j) const { return GetParam() ? 1.25 * j * j : 0.0; }
+    double rotation_for(double j) const { return turns() ? 1.25 * j * j : 0.0; }
 };
 
 TEST_P(ObliqueImpact, StickingContactsSwingLikeTwoCoupledOscillators) {
-    // The limit of the shear force is put out of reach by shear cohesion. The spring starts with the path of
-    // a whole step, wherever in it the spheres meet, and the contact ends with its shear force on, up to a
-    // step late. With x = pi sqrt(c q) each changes the impulse by up to q V h pi sin(x) / x, which vanishes
-    // where both oscillators are in step, at q = 2/7 with free and q = 1 with blocked rotation; there the
-    // error is of order h^2. The normal turns by 1e-7 V.
+    // The limit of the shear force is put out of reach, by shear cohesion or by a friction of 1e5. The spring
+    // starts with the path of a whole step, wherever in it the spheres meet, and the contact ends with its
+    // shear force on, up to a step late. With x = pi sqrt(c q) each changes the impulse by up to q V h pi
+    // sin(x) / x, which vanishes where both oscillators are in step, at q = 2/7 with free and q = 1 with
+    // blocked rotation; there the error is of order h^2. The normal turns by 1e-7 V.
     for (const double q : {0.2, 2.0 / 7, 0.4, 1.0})
         for (const double v : {0.3, 2.0, 8.0}) {
-            LinearCohesive law = sliding_law(0.5, q);
-            law.shear_cohesion = 1e9;
+            const ContactLaw law = sliding_law(0.5, q, 1e9);
             PairOptions o = pair();
             o.safety = 0.001;
             const Rebound out = collide(law, o, v);
@@ -153,14 +156,17 @@ TEST_P(ObliqueImpact, SpinsOfUnequalSpheresCarryTheAngularMomentumOfTheirVelocit
     const double m = effective_mass(o.radius_0, o.radius_1, density), j = m * out.tangential;
     EXPECT_NEAR(out.tangential / mu, 2, 5e-5);
     double rotation = 0;
-    if (GetParam())
+    if (turns())
         for (const double r : {o.radius_0, o.radius_1})
             rotation += j * j * r * r / (2 * 0.4 * sphere_mass(r, density) * r * r);
     EXPECT_NEAR(out.rotation, rotation / m, 2e-6);
 }
 
-INSTANTIATE_TEST_SUITE_P(Rotations, ObliqueImpact, testing::Bool(),
-                         [](const auto& info) { return info.param ? "Free" : "Blocked"; });
+INSTANTIATE_TEST_SUITE_P(Rotations, ObliqueImpact, testing::Combine(testing::Bool(), testing::Bool()),
+                         [](const auto& info) {
+                             return std::string(std::get<0>(info.param) ? "Free" : "Blocked") +
+                                    (std::get<1>(info.param) ? "LinearDamped" : "LinearCohesive");
+                         });
 
 }  // namespace
 }  // namespace loam::engine

@@ -132,4 +132,37 @@ class TwoSpheres {
     double mass_[2];
 };
 
+/// What an oblique impact leaves.
+struct ObliqueRebound {
+    double normal;         // velocity of the centres over the one before
+    double tangential;     // change of the tangential velocity of the centres over -v_n
+    double sideways;       // out of the plane of motion, over v_n
+    double rotation;       // rotational energy over m_eff v_n^2
+    Eigen::Vector2d spin;  // R · spin of each about n x t, over v_n
+    double time_step;      // s
+};
+
+/// Two spheres without spin meet with the normal speed `speed` and a tangential one `ratio` times as large.
+inline ObliqueRebound collide_obliquely(const ContactLaw& law, const PairOptions& pair, double speed,
+                                        double ratio) {
+    PairOptions o = pair;
+    o.gap = 1e-9 * pair.radius_0;
+    TwoSpheres spheres(law, o);
+    const Eigen::Vector3d n = o.direction, t = n.cross(Eigen::Vector3d(0.3, 0.5, -0.2)).normalized();
+    spheres.set_relative_velocity(speed * (ratio * t - n));
+    spheres.collide();
+    const Eigen::Vector3d after = spheres.relative_velocity();
+    const Simulation& end = spheres.simulation;
+    const double rotation = end.measured().kinetic_energy - spheres.energy_of_translation();
+    const Eigen::Matrix3Xd spins = end.spins();
+    const Eigen::Vector2d spin(o.radius_0 * spins.col(0).dot(n.cross(t)),
+                               o.radius_1 * spins.col(1).dot(n.cross(t)));
+    return {after.dot(n) / speed,
+            ratio - after.dot(t) / speed,
+            after.dot(n.cross(t)) / speed,
+            rotation / (effective_mass(o.radius_0, o.radius_1, end.grain_density()) * speed * speed),
+            spin / speed,
+            end.time_step()};
+}
+
 }  // namespace loam::engine
