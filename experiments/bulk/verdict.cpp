@@ -70,15 +70,14 @@ void judge(SampleOutcome& outcome, const ParameterSpace& space) {
         return;
     }
     if (outcome.direct && outcome.direct->curves.empty()) {
-        outcome.status = "not followed";
+        outcome.status = "failed";
         outcome.reason = "no direct run at the estimate reached the last stage: " + outcome.direct->reason;
         return;
     }
     outcome.status = "calibrated";
-    if (outcome.direct && outcome.rmse > followed_error) {
-        outcome.status = "not followed";
-        outcome.reason = reason_for(outcome, space);
-    }
+    if (!outcome.direct) return;
+    outcome.followed = outcome.rmse <= followed_error;
+    if (!*outcome.followed) outcome.reason = reason_for(outcome, space);
 }
 
 }  // namespace loam::experiments
