@@ -17,7 +17,7 @@ using Eigen::Index;
 using Eigen::VectorXd;
 using lab_data::Covariate;
 
-constexpr std::size_t most_groups = 15, most_numbers = 8, fewest_in_group = 3;
+constexpr std::size_t most_groups = 15, most_numbers = 8, fewest_in_group = 3, fewest_on_average = 2;
 constexpr double level = 0.05;
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
@@ -73,7 +73,11 @@ std::vector<Group> groups_of(const lab_data::DataSet& set, std::size_t covariate
         group.label = label;
         group.members.push_back(static_cast<Index>(k));
     }
-    const bool few = found.size() >= 2 && found.size() <= (numbers ? most_numbers : most_groups);
+    std::size_t sorted = 0;
+    for (const auto& [key, group] : found) sorted += group.members.size();
+    // Values that hardly repeat measure the samples and do not sort them.
+    const bool few = found.size() >= 2 && found.size() <= (numbers ? most_numbers : most_groups) &&
+                     fewest_on_average * found.size() <= sorted;
     std::vector<Group> out;
     if (few)
         for (auto& [key, group] : found) out.push_back(std::move(group));

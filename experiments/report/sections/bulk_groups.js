@@ -84,7 +84,7 @@ function render(parent, data) {
     results.forEach((q, k) => {
       const p = grouping.kruskal_p[k];
       if (list(q.values).filter(finite).length === 0) return;
-      const title = `${capital(words(q.name))}: Kruskal–Wallis p = ${finite(p) ? number(p, 2) : "–"}${p < significant ? " *" : ""}`;
+      const title = `${capital(words(q.name))}: Kruskal–Wallis p = ${finite(p) ? number(p, 2) : "–"}${finite(p) && p < significant ? " *" : ""}`;
       chart(row, { title, makeSpec: (width) => boxSpec(q, grouping, width) });
     });
   }
