@@ -13,6 +13,8 @@ import time
 import unittest
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../report"))
+import test_report  # noqa: E402
 import validate_result  # noqa: E402
 
 PROGRAM = ""
@@ -115,6 +117,14 @@ class DirtyData(BulkTest):
         self.assertNotIn("initial_void_ratio", {g["covariate"] for g in page["statistics"]["groupings"]})  # hardly repeats
         land_use = next(g for g in page["statistics"]["groupings"] if g["covariate"] == "land_use")
         self.assertEqual(sum(len(group["members"]) for group in land_use["groups"]), 8)
+
+        source = (self.folder / "run/report.html").read_text(encoding="utf-8")
+        shown, console = test_report.open_in_browser(source)
+        self.assertEqual(console, [])
+        self.assertEqual(shown.all("html")[0].get("data-report"), "complete")
+        self.assertEqual((shown.count("data-chart-errors"), shown.count("data-charts-drawn")), (0, shown.count("data-charts-expected")))
+        for text in ["Measured and simulated strain", "The samples that fit worst", "S003.csv:1: has a header", "Land use", "Rank correlations"]:
+            self.assertIn(text, shown.text)
 
     def test_two_samples_of_one_name_are_refused(self):
         self.write("\n".join(self.rows + [self.rows[2]]) + "\n")
