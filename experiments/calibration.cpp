@@ -21,7 +21,7 @@ using Eigen::VectorXd;
 // Places of the runs in the ensemble: every run's index, and with it its randomness, follows from its
 // purpose.
 constexpr std::uint64_t replicates_from = 1'000'000, rounds_from = 2'000'000, round_size = 10'000;
-constexpr std::uint64_t confirmations_from = 3'000'000;
+constexpr std::uint64_t confirmations_from = 3'000'000, rounds_of_a_task = 20;
 constexpr int packings_per_replicated_point = 4;
 // Streams of run_seed.
 constexpr std::uint64_t training_packings = 1, confirmation_packings = 2, design_stream = 3, draw_stream = 4;
@@ -52,13 +52,18 @@ MatrixXd design(const Campaign& campaign) {
     return campaign.space().from_probabilities(u);
 }
 
+/// Number of a round of a task among all rounds.
+std::uint64_t round_number(const CalibrationTask& task, int round) {
+    return rounds_of_a_task * task.place + static_cast<std::uint64_t>(round);
+}
+
 /// Runs drawn from the posterior: distinct draws, evenly over the chains.
-std::vector<RunSpec> added_runs(const Campaign& campaign, const Fit& fit, int round) {
+std::vector<RunSpec> added_runs(const Campaign& campaign, const Fit& fit, std::uint64_t round) {
     const MatrixXd& draws = fit.posterior.draws;
     const int count = campaign.settings().calibration.runs_per_round;
     std::vector<RunSpec> specs;
     for (int k = 0; k < count; ++k) {
-        const auto at = static_cast<std::uint64_t>(round) * round_size + static_cast<std::uint64_t>(k);
+        const auto at = round * round_size + static_cast<std::uint64_t>(k);
         const Index row = static_cast<Index>(run_seed(campaign.settings().seed, at, draw_stream) %
                                              static_cast<std::uint64_t>(draws.rows()));
         const VectorXd x = draws.row(row).head(campaign.space().dimension()).transpose();
@@ -116,6 +121,23 @@ CalibrationRound compare(const Calibration& c, const TrainedEmulator& trained,
         "noise (limit {:.2f}); the emulator makes {:.0f} % of the residuals' variance",
         round.runs, round.difference, round.disagreement, round.limit, 100 * round.emulator_share);
     return round;
+}
+
+/// Appends runs drawn from the posterior, and the direct runs, to those that the next emulator is trained on.
+void add_runs(Campaign& campaign, const Calibration& c, std::vector<RunRecord>& runs, std::uint64_t round,
+              const std::string& title) {
+    for (RunRecord& run : campaign.run(title + "added runs", added_runs(campaign, c.fit, round)))
+        runs.push_back(std::move(run));
+    runs.insert(runs.end(), c.confirmation.begin(), c.confirmation.end());
+}
+
+void warn_of_failures(const std::vector<RunRecord>& runs, Calibration& c) {
+    const auto failed = std::ranges::count_if(runs, [](const RunRecord& run) { return !run.ok; });
+    if (10 * failed < static_cast<std::ptrdiff_t>(runs.size())) return;
+    const auto first = std::ranges::find_if(runs, [](const RunRecord& run) { return !run.ok; });
+    c.warnings.push_back(
+        fmt::format("{} of {} runs failed (the first: {}); parameters like theirs are held to be impossible",
+                    failed, runs.size(), first->reason));
 }
 
 void warn_of_search(const Campaign& campaign, Calibration& c) {
@@ -182,31 +204,44 @@ std::vector<RunRecord> training_runs(Campaign& campaign) {
     return runs;
 }
 
-std::vector<RunRecord> direct_runs(Campaign& campaign, const VectorXd& parameters, int round, int count) {
+std::vector<RunRecord> direct_runs(Campaign& campaign, const VectorXd& parameters, std::uint64_t round,
+                                   int count, const std::string& title) {
     std::vector<RunSpec> specs;
     for (int k = 0; k < count; ++k)
         specs.push_back(make_spec(campaign,
-                                  confirmations_from + static_cast<std::uint64_t>(round) * round_size +
-                                      static_cast<std::uint64_t>(k),
+                                  confirmations_from + round * round_size + static_cast<std::uint64_t>(k),
                                   "confirmation", parameters));
-    return campaign.run("direct runs", specs);
+    return campaign.run(title + "direct runs", specs);
 }
 
 Calibration calibrate(Campaign& campaign) {
+    std::vector<RunRecord> runs = training_runs(campaign);
+    return calibrate(campaign, runs);
+}
+
+Calibration calibrate(Campaign& campaign, std::vector<RunRecord>& runs, const CalibrationTask& task) {
     Calibration c;
-    const Observation observation = observation_of(campaign, c.columns);
+    const Observation observation = observation_of(campaign, c.columns, task.kinds);
     if (c.columns.empty()) throw std::runtime_error("every test is held out: nothing is left to fit");
     if (campaign.space().dimension() == 0)
         throw std::runtime_error(
             "every parameter is fixed: nothing is left to fit; loam simulate runs the tests");
-    std::vector<RunRecord> runs = training_runs(campaign);
     const std::vector<OutputTransform> transforms = transforms_of(observation);
     const int last = campaign.settings().calibration.max_rounds;
     for (int round = 0; round <= last; ++round) {
         c.trained.emplace(train_emulator(runs, campaign.space(), c.columns, transforms, campaign.settings()));
         c.fit = fit(*c.trained, campaign.space(), observation, campaign.settings());
-        c.confirmation = direct_runs(campaign, campaign.space().physical(c.fit.estimate), round,
-                                     campaign.settings().calibration.confirmation_packings);
+        c.confirmation =
+            direct_runs(campaign, campaign.space().physical(c.fit.estimate), round_number(task, round),
+                        campaign.settings().calibration.confirmation_packings, task.title);
+        if (round < last && std::ranges::none_of(c.confirmation, &RunRecord::ok)) {
+            // The emulator knew nothing there; now it is known that runs fail.
+            c.rounds.push_back(
+                {.runs = c.trained->runs,
+                 .text = "every direct run at the estimate failed: " + c.confirmation[0].reason});
+            add_runs(campaign, c, runs, round_number(task, round), task.title);
+            continue;
+        }
         c.simulated = mean_outputs(c.confirmation);
         c.replicate_sd = sd_outputs(c.confirmation);
         c.rounds.push_back(compare(c, *c.trained, observation));
@@ -221,10 +256,9 @@ Calibration calibrate(Campaign& campaign) {
                 c.warnings.push_back("emulator and direct runs still disagree at the estimate: " + now.text);
             break;
         }
-        for (RunRecord& run : campaign.run("added runs", added_runs(campaign, c.fit, round)))
-            runs.push_back(std::move(run));
-        runs.insert(runs.end(), c.confirmation.begin(), c.confirmation.end());
+        add_runs(campaign, c, runs, round_number(task, round), task.title);
     }
+    warn_of_failures(runs, c);
     warn_of_search(campaign, c);
     return c;
 }

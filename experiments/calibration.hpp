@@ -40,10 +40,21 @@ std::vector<RunRecord> training_runs(Campaign& campaign);
 
 /// `count` direct runs at `parameters` (SI) on packings that no emulator is trained on; `round` tells their
 /// packings from other rounds'.
-std::vector<RunRecord> direct_runs(Campaign& campaign, const Eigen::VectorXd& parameters, int round,
-                                   int count);
+std::vector<RunRecord> direct_runs(Campaign& campaign, const Eigen::VectorXd& parameters, std::uint64_t round,
+                                   int count, const std::string& title = {});
 
-/// Runs the whole loop. Throws Interrupted, and std::runtime_error where too many runs fail.
+/// What a calibration fits, where several share a campaign's runs.
+struct CalibrationTask {
+    std::vector<lab_data::TestKind>
+        kinds{};              // of the tests that are fitted; empty: all that are not held out
+    std::uint64_t place = 0;  // 0..4, of its own runs in the ensemble
+    std::string title{};      // goes before what progress says
+};
+
+/// Runs the whole loop. `runs` are those to train on; what the loop adds is appended to them. Throws
+/// Interrupted, and std::runtime_error where too many runs fail.
+Calibration calibrate(Campaign& campaign, std::vector<RunRecord>& runs, const CalibrationTask& task = {});
+/// The same, from the campaign's own training runs.
 Calibration calibrate(Campaign& campaign);
 
 /// Mean of the successful runs' outputs [m]; throws std::runtime_error with the first reason if none

@@ -82,7 +82,8 @@ class Likelihood {
         if (factor.info() != Eigen::Success) return -INFINITY;
         const VectorXd white = factor.matrixL().solve(target_ - mean);
         const double log_det = 2 * factor.matrixL().toDenseMatrix().diagonal().array().log().sum();
-        return -0.5 * (white.squaredNorm() + log_det) + log_prior(theta);
+        return -0.5 * (white.squaredNorm() + log_det) + log_prior(theta) +
+               trained_.feasibility.log_success(theta.head(parameters()));
     }
 
     /// Residuals whitened by a covariance, with the priors of the parameters as further residuals.
@@ -136,6 +137,20 @@ void refine(const Likelihood& likelihood, VectorXd& theta, double& value, optimi
 
 }  // namespace
 
+namespace {
+
+Feasibility feasibility_of(const std::vector<RunRecord>& runs, const ParameterSpace& space) {
+    MatrixXd x(static_cast<Index>(runs.size()), space.dimension());
+    std::vector<bool> success;
+    for (const RunRecord& run : runs) {
+        x.row(static_cast<Index>(success.size())) = space.unit(run.spec.parameters).transpose();
+        success.push_back(run.ok);
+    }
+    return {x, success};
+}
+
+}  // namespace
+
 TrainedEmulator train_emulator(const std::vector<RunRecord>& runs, const ParameterSpace& space,
                                const std::vector<Index>& columns,
                                const std::vector<OutputTransform>& transforms, const Settings& settings) {
@@ -159,7 +174,8 @@ TrainedEmulator train_emulator(const std::vector<RunRecord>& runs, const Paramet
     options.kernel = settings.calibration.kernel;
     options.seed = run_seed(settings.seed, 0, 11);
     options.threads = settings.jobs;
-    return {surrogate::CurveEmulator::fit(inputs, outputs, options), transforms, n};
+    return {surrogate::CurveEmulator::fit(inputs, outputs, options), transforms, n,
+            feasibility_of(runs, space)};
 }
 
 Fit fit(const TrainedEmulator& trained, const ParameterSpace& space, const Observation& observation,

@@ -6,7 +6,8 @@
 // where packing noise is common to the channels of one test alone, since the tests of a sample are specimens
 // of their own, and misfit, what the model cannot follow, has a standard deviation for each kind of channel
 // that is estimated along with the parameters. It is correlated along a curve where the observation says so:
-// then the number of readings of a curve does not matter, once there are enough to show its shape.
+// then the number of readings of a curve does not matter, once there are enough to show its shape. The
+// probability that a run with these parameters comes to an end at all is a further factor.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,6 +15,7 @@
 #include <vector>
 
 #include "experiments/campaign.hpp"
+#include "experiments/feasibility.hpp"
 #include "experiments/observation.hpp"
 #include "experiments/settings/settings.hpp"
 #include "optimizers/posterior.hpp"
@@ -26,6 +28,7 @@ struct TrainedEmulator {
     surrogate::CurveEmulator emulator;
     std::vector<OutputTransform> transforms;  // [m] one for each output
     Eigen::Index runs = 0;
+    Feasibility feasibility{};  // parameters with which runs fail are no estimate
 };
 
 /// Trains on the runs that succeeded: outputs `columns` of each, transformed. Throws std::runtime_error when

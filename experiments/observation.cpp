@@ -184,7 +184,8 @@ std::vector<OutputTransform> transforms_of(const Observation& observation) {
     return out;
 }
 
-Observation observation_of(const Campaign& campaign, std::vector<Index>& columns) {
+Observation observation_of(const Campaign& campaign, std::vector<Index>& columns,
+                           std::span<const lab_data::TestKind> kinds) {
     const Settings& settings = campaign.settings();
     Observation out;
     out.sd.emplace();
@@ -192,7 +193,8 @@ Observation observation_of(const Campaign& campaign, std::vector<Index>& columns
     columns.clear();
     for (std::size_t t = 0; t < campaign.tests().size(); ++t) {
         const CampaignTest& test = campaign.tests()[t];
-        if (test.held_out) continue;
+        const bool other = !kinds.empty() && std::ranges::find(kinds, test.test->kind) == kinds.end();
+        if (test.held_out || other) continue;
         for (Index k = 0; k < test.outputs(); ++k) columns.push_back(test.first + k);
         for (std::size_t c = 0; c < test.kind->channels.size(); ++c)
             append_curve(test, c, static_cast<int>(t), used, out);

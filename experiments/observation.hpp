@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "experiments/campaign.hpp"
@@ -59,7 +60,9 @@ OutputTransform transform_for(const Observation& observation);
 /// One for each reading.
 std::vector<OutputTransform> transforms_of(const Observation& observation);
 
-/// The measured values of the campaign's fitted outputs, with their columns.
-Observation observation_of(const Campaign& campaign, std::vector<Eigen::Index>& columns);
+/// The measured values of the campaign's fitted outputs, with their columns: of all tests that are not held
+/// out, or of those of some kinds alone.
+Observation observation_of(const Campaign& campaign, std::vector<Eigen::Index>& columns,
+                           std::span<const lab_data::TestKind> kinds = {});
 
 }  // namespace loam::experiments

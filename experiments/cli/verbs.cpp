@@ -6,6 +6,7 @@
 #include "experiments/workflows/bulk.hpp"
 #include "experiments/workflows/calibrate.hpp"
 #include "experiments/workflows/check.hpp"
+#include "experiments/workflows/crosstest.hpp"
 #include "experiments/workflows/effects.hpp"
 #include "experiments/workflows/report.hpp"
 #include "experiments/workflows/simulate.hpp"
@@ -32,6 +33,8 @@ const std::array table{
          "loam calibrate lab_data/sets/dobrany_sand --tests oedometer", run_calibrate},
     Verb{"bulk", "calibrate every sample of a data set from one shared ensemble", "DATASET", "folder of the data set",
          "loam bulk lab_data/sets/flanders_twin_125", run_bulk},
+    Verb{"crosstest", "fit triaxial and direct shear tests apart, exchange the parameter sets, compare", "SAMPLE",
+         "folder of the sample", "loam crosstest lab_data/sets/twin_coarse_sand --law linear-damped", run_crosstest},
     Verb{"report", "write the report of a run again", "RUN", "folder of the run",
          "loam report runs/calibrate-dobrany-sand", run_report},
     Verb{"effects", "list laws and effects with parameters, units, bounds, sources", "", "",

@@ -18,7 +18,7 @@ list(APPEND report_assets vega-selections=${LOAM_VEGA_DIR}/vega-selection.min.js
 foreach(asset template.html style.css page/loader.js
               page/vega.js page/dom.js page/format.js page/chart.js page/marks.js page/phases.js page/test_axes.js
               page/main.js
-              sections/header.js sections/parameters.js sections/tests.js sections/test_chart.js
+              sections/header.js sections/parameters.js sections/tests.js sections/test_chart.js sections/crosstest.js
               sections/posterior.js sections/pairs.js sections/emulator.js sections/emulator_charts.js
               sections/sensitivity.js sections/heat_map.js sections/packing.js sections/quasi_static.js
               sections/bulk_samples.js sections/bulk_groups.js sections/bulk_correlations.js sections/bulk_ensemble.js

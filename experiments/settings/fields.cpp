@@ -26,7 +26,7 @@ constexpr Limits count(double least, double most = 1e6) {
 }
 
 Names verbs_with_settings() {
-    return {"simulate", "calibrate", "bulk", "bench"};
+    return {"simulate", "calibrate", "bulk", "crosstest", "bench"};
 }
 Names rotations() {
     return {"blocked", "free"};
@@ -165,7 +165,7 @@ const std::array table{
     Field{"calibration", "confirmation_packings", [](Settings& s) -> Slot { return &s.calibration.confirmation_packings; },
           "fresh packings for the direct runs at the estimate", count(1)},
     Field{"calibration", "max_rounds", [](Settings& s) -> Slot { return &s.calibration.max_rounds; },
-          "rounds of runs added where emulator and direct runs disagree", count(0)},
+          "rounds of runs added where emulator and direct runs disagree", count(0, 19)},
     Field{"calibration", "runs_per_round", [](Settings& s) -> Slot { return &s.calibration.runs_per_round; },
           "runs in each of them", count(1)},
     Field{"calibration", "posterior_draws", [](Settings& s) -> Slot { return &s.calibration.posterior_draws; },

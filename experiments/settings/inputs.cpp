@@ -70,43 +70,47 @@ void resolve_hold_out(Draft& draft, const lab_data::Sample& sample) {
     }
 }
 
-std::vector<std::string_view> kinds_that_can_be_simulated() {
-    std::vector<std::string_view> kinds;
-    for (const LabTestKind& entry : lab_test_kinds()) kinds.push_back(to_string(entry.kind));
-    return kinds;
-}
+constexpr std::array<std::string_view, 2> crossed_kinds{"triaxial", "direct_shear"};
 
-/// Demands that each kind asked for is there and can be simulated, and that something is left to do.
-void check_tests(const Draft& draft, const lab_data::Sample& sample) {
-    const Settings& settings = draft.settings;
+/// Demands that each kind asked for is there, and that something is left to do.
+void check_tests(Draft& draft, const lab_data::Sample& sample) {
+    Settings& settings = draft.settings;
+    const bool crossed = settings.verb == "crosstest";
+    if (crossed && settings.tests.empty()) settings.tests.assign(crossed_kinds.begin(), crossed_kinds.end());
     const auto contains = [](const auto& names, std::string_view name) {
         return std::ranges::find(names, name) != names.end();
     };
-    const std::vector<std::string_view> possible = kinds_that_can_be_simulated();
     const Origin origin = origin_of(draft.origins, "tests");
-    std::vector<std::string_view> there;
-    std::size_t simulated = 0, fitted = 0;
+    std::vector<std::string_view> there, fitted;
     for (const lab_data::Test& test : sample.tests) {
         there.push_back(to_string(test.kind));
         const bool wanted = settings.tests.empty() || contains(settings.tests, there.back());
-        if (!wanted || !contains(possible, there.back())) continue;
-        ++simulated;
-        if (!contains(settings.hold_out, test.file)) ++fitted;
+        if (wanted && !contains(settings.hold_out, test.file)) fitted.push_back(there.back());
     }
+    for (const std::string_view kind : crossed_kinds)
+        if (crossed && !contains(fitted, kind))
+            throw fault_at({.name = "sample"}, settings.sample.string(),
+                           fmt::format("has no {} test to fit", kind),
+                           "crosstest compares triaxial and direct shear tests of one sample");
     for (const std::string& kind : settings.tests) {
-        if (!contains(possible, kind))
-            throw fault_at(origin, kind, "cannot be simulated in this version",
-                           lab_data::suggest_name(kind, possible));
         if (!contains(there, kind))
             throw fault_at(origin, kind, fmt::format("is not among the tests of the sample {}", sample.name),
                            "see loam check SAMPLE");
     }
-    if (simulated == 0)
-        throw fault_at({.name = "sample"}, settings.sample.string(),
-                       "has no test that can be simulated in this version",
-                       fmt::format("it needs a test of kind {}", fmt::join(possible, " or ")));
-    if (settings.verb == "calibrate" && fitted == 0)
+    if (settings.verb == "calibrate" && fitted.empty())
         throw fault_at(origin_of(draft.origins, "hold_out"), "", "leaves no test to fit", "hold out fewer");
+}
+
+/// Demands that specimens of the tests asked for can be made.
+void check_specimens(const Settings& settings, const lab_data::Sample& sample) {
+    constexpr double any_porosity = 0.4;
+    for (const lab_data::Test& test : sample.tests) {
+        const bool wanted = settings.tests.empty() ||
+                            std::ranges::find(settings.tests, to_string(test.kind)) != settings.tests.end();
+        if (wanted)
+            lab_test(test.kind).shape(settings, sample, test, any_porosity,
+                                      static_cast<std::uint32_t>(std::max(100, settings.particles)));
+    }
 }
 
 /// Reads the sample, checks what is asked of it, and returns its name.
@@ -119,6 +123,7 @@ std::string resolve_sample(Draft& draft) {
     if (!settings.packing.empty()) settings.packing = fs::weakly_canonical(settings.packing);
     resolve_hold_out(draft, sample);
     check_tests(draft, sample);
+    check_specimens(settings, sample);
     settings.inputs_digest = digest_of_inputs(sample, settings.packing);
     return sample.name;
 }

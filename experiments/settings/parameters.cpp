@@ -153,7 +153,7 @@ void check_parameters(const Settings& settings, const Origins& origins) {
     }
     for (const auto& [name, prior] : settings.priors)
         check_prior(parameter_of(settings, name, origin_of(origins, "priors." + name)), prior, origins);
-    if ((settings.verb == "calibrate" || settings.verb == "bulk") && settings.priors.empty())
+    if (settings.verb != "simulate" && settings.verb != "bench" && settings.priors.empty())
         throw fault_at(origin_of(origins, "set"), "", "leaves nothing to fit: every parameter is held fixed",
                        "fix fewer, or use loam simulate");
 }

@@ -55,7 +55,7 @@ bool is_count(const std::string& text) {
 }
 
 bool is_fitting(const Settings& settings) {
-    return settings.verb == "calibrate" || settings.verb == "bulk";
+    return settings.verb == "calibrate" || settings.verb == "bulk" || settings.verb == "crosstest";
 }
 
 }  // namespace

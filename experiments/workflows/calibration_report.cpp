@@ -26,6 +26,8 @@ json to_json(const VectorXd& v) {
 
 std::string stage_label(const OutputColumn& column) {
     if (column.x_unit == "Pa") return fmt::format("{:.4g} kPa", column.x / 1000);
+    if (column.x_unit == "m")
+        return fmt::format("{} {} at {:.3g} mm", column.file, column.channel, 1000 * column.x);
     return fmt::format("{} {} at {:.2g} %", column.file, column.channel, 100 * column.x);
 }
 
@@ -182,6 +184,11 @@ json sensitivity_document(const Campaign& campaign, const Calibration& c,
     return out;
 }
 
+std::string in_words(std::string name) {
+    std::ranges::replace(name, '_', ' ');
+    return name;
+}
+
 /// How closely direct runs follow the curves that were fitted, in words.
 std::string followed(const json& tests) {
     std::string out;
@@ -194,8 +201,7 @@ std::string followed(const json& tests) {
             out += fmt::format("{} to {:.1e} m/m over the loading stages ({:.1e} over all readings)", file,
                                test["rmse_loading"].get<double>(), rmse);
         else
-            out += fmt::format("the {} of {} to {}",
-                               test["unit"] == "Pa" ? "deviatoric stress" : "volumetric strain", file,
+            out += fmt::format("the {} of {} to {}", in_words(test["channel"].get<std::string>()), file,
                                readable(rmse, test["unit"].get<std::string>()));
     }
     return out;

@@ -44,6 +44,12 @@ const sections = [
     wanted: (d) => list(d.tests).length > 0,
   },
   {
+    id: "crosstest",
+    title: "Every set on every test",
+    module: "sections/crosstest.js",
+    wanted: (d) => list(d.crosstest?.curves).length > 0,
+  },
+  {
     id: "posterior",
     title: "Posterior",
     module: "sections/posterior.js",

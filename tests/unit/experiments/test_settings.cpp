@@ -41,7 +41,7 @@ struct Change {
     void operator()(std::uint64_t* slot) const { *slot = 9223372036854775807u; }
     void operator()(double* slot) const { *slot = *slot * (1 + 1e-15) + 1e-17; }
     void operator()(std::optional<double>* slot) const {
-        *slot = field.key == "porosity" ? 0.1 + 0.2 : 2651.5;
+        *slot = field.key == "porosity" ? 0.1 + 0.2 : field.key == "box_diameters" ? 14.1 : 2651.5;
     }
     void operator()(std::filesystem::path* slot) const { *slot = "/some folder/\"quoted\" \\ back\tslash"; }
     void operator()(std::string* slot) const {

@@ -114,7 +114,7 @@ class WrongSettings(ProgramTest):
                             (("--effects", "rolling_resistance"), "add --rotation free"),
                             (("--set", "rolling_friction=0.1"), "add --effects rolling_resistance"),
                             (("--tests", "oedometers"), "did you mean 'oedometer'?"),
-                            (("--tests", "direct_shear"), "'direct_shear' cannot be simulated in this version"),
+                            (("--tests", "direct_shear"), "'direct_shear' is not among the tests of the sample"),
                             (("--hold-out", "oedometer_2.csv"), "did you mean 'oedometer_1.csv'?")]:
             with self.subTest(words=words):
                 self.refused_run(*words, says=says)
