@@ -14,6 +14,7 @@ using nlohmann::json;
 
 json sample_result(const SampleOutcome& s, const std::string& name, const ParameterSpace& space) {
     json out{{"sample", name}, {"status", s.status}, {"rmse", nullptr}, {"me", nullptr}};
+    if (s.followed) out["followed"] = *s.followed;
     if (!s.reason.empty()) out["reason"] = s.reason;
     if (s.fit) {
         out["parameters"] = parameters_result(summarise(space, s.fit->estimate, s.fit->quantiles));
@@ -65,7 +66,7 @@ void add_study(json& result, const BulkStudy& study, const lab_data::DataSet& se
     for (const SampleOutcome& s : study.samples) {
         result["samples"].push_back(sample_result(s, set.rows[s.row].name, space));
         calibrated += s.status == "calibrated" ? 1 : 0;
-        not_followed += s.status == "not followed" ? 1 : 0;
+        not_followed += s.followed == false ? 1 : 0;
     }
     const PooledError& e = study.overall;
     const bool any = e.readings > 0;
@@ -75,7 +76,7 @@ void add_study(json& result, const BulkStudy& study, const lab_data::DataSet& se
                          {"readings", e.readings},
                          {"calibrated", calibrated},
                          {"not_followed", not_followed},
-                         {"failed", study.samples.size() - calibrated - not_followed}};
+                         {"failed", study.samples.size() - calibrated}};
     for (const Part& part : study.parts) result["parts"][part.name] = part.seconds;
 }
 

@@ -1,5 +1,7 @@
 #include "experiments/bulk/inverse_kriging.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -52,7 +54,11 @@ void InverseKriging::predictors(const BulkSample& sample, MatrixXd& strain, Matr
         inputs.push_back(ensemble_.space().unit(run.spec.parameters));
     }
     const auto n = static_cast<Index>(curves.size());
-    if (n < fewest_runs) throw std::runtime_error("too few runs reached the sample's last stage");
+    if (n < fewest_runs)
+        throw std::runtime_error(
+            fmt::format("only {} runs of the ensemble reached the sample's last stage, and kriging needs {}: "
+                        "--runs N makes more",
+                        n, fewest_runs));
     strain.resize(n, sample.curve.stress.size());
     parameters.resize(n, ensemble_.space().dimension());
     for (Index r = 0; r < n; ++r) {

@@ -30,8 +30,9 @@ struct DirectRuns {
 
 struct SampleOutcome {
     std::size_t row = 0;
-    std::string status;  // calibrated | not followed | failed | unreadable
-    std::string reason;  // why not calibrated, or which limit the estimate met
+    std::string status;            // calibrated | failed | unreadable
+    std::optional<bool> followed;  // whether direct runs at the estimate follow the curve; empty: none made
+    std::string reason;            // why not calibrated, or why not followed
     std::optional<BulkSample> sample;
     std::optional<FittedSample> fit;
     std::optional<DirectRuns> direct;

@@ -14,6 +14,7 @@ constexpr double swelling = 5e-4;       // m/m: more than a reading's noise
 constexpr double early_share = 0.6;     // of the strain, at the first of several stages
 constexpr double at_bound = 0.01;       // of the prior's range
 constexpr double scatter_share = 0.5;   // of the error, that the packings' scatter explains
+constexpr double emulator_share = 0.5;  // of the error, from which on it is the emulator's
 constexpr double beyond_strain = 0.35;  // where De Pue et al. (2019) leave a run out
 
 std::string bound_met(const FittedSample& fit, const ParameterSpace& space) {
@@ -31,6 +32,21 @@ std::string shape_of_error(const VectorXd& error) {
     const auto side = [](double e) { return e > 0 ? "more" : "less"; };
     return fmt::format("the simulated specimen strains {} than the measured one at low stress and {} at high",
                        side(low), side(high));
+}
+
+double root_mean_square(const VectorXd& difference) {
+    return std::sqrt(difference.squaredNorm() / static_cast<double>(difference.size()));
+}
+
+/// Whether the emulator missed what the model does at the estimate, or the model itself does not follow.
+std::string who_is_at_fault(const SampleOutcome& outcome) {
+    if (outcome.fit->predicted.size() == 0) return {};
+    const double emulator = root_mean_square(outcome.direct->mean - outcome.fit->predicted);
+    if (emulator >= emulator_share * outcome.rmse)
+        return fmt::format(
+            "the emulator is off by {:.1e} m/m at the estimate (more training runs, --runs, mend that): ",
+            emulator);
+    return "the emulator is right and its best curve is not near: the model cannot follow; ";
 }
 
 std::string reason_for(const SampleOutcome& outcome, const ParameterSpace& space) {
@@ -56,7 +72,7 @@ std::string reason_for(const SampleOutcome& outcome, const ParameterSpace& space
                                scatter);
     }
     const std::string bound = bound_met(*outcome.fit, space);
-    const std::string shape = shape_of_error(outcome.direct->mean - strain);
+    const std::string shape = who_is_at_fault(outcome) + shape_of_error(outcome.direct->mean - strain);
     return bound.empty() ? shape : shape + "; " + bound;
 }
 
@@ -70,15 +86,16 @@ void judge(SampleOutcome& outcome, const ParameterSpace& space) {
         return;
     }
     if (outcome.direct && outcome.direct->curves.empty()) {
-        outcome.status = "not followed";
-        outcome.reason = "no direct run at the estimate reached the last stage: " + outcome.direct->reason;
+        outcome.status = "failed";
+        outcome.reason = fmt::format(
+            "the measured strain reaches {:.2f}; no direct run at the estimate reached the last stage: {}",
+            outcome.sample->curve.strain.maxCoeff(), outcome.direct->reason);
         return;
     }
     outcome.status = "calibrated";
-    if (outcome.direct && outcome.rmse > followed_error) {
-        outcome.status = "not followed";
-        outcome.reason = reason_for(outcome, space);
-    }
+    if (!outcome.direct) return;
+    outcome.followed = outcome.rmse <= followed_error;
+    if (!*outcome.followed) outcome.reason = reason_for(outcome, space);
 }
 
 }  // namespace loam::experiments

@@ -1,4 +1,4 @@
-// Whether a sample counts as calibrated, and if the model did not follow it, the likeliest reason.
+// Whether a sample is calibrated and the model follows it, and if not, the likeliest reason.
 #pragma once
 
 #include "experiments/bulk/study.hpp"
@@ -9,7 +9,7 @@ namespace loam::experiments {
 /// 2019.
 inline constexpr double followed_error = 6.7e-3;
 
-/// Fills in status and reason of a sample whose status is still open.
+/// Fills in status, whether it is followed, and the reason, of a sample whose status is still open.
 void judge(SampleOutcome& outcome, const ParameterSpace& space);
 
 }  // namespace loam::experiments

@@ -179,6 +179,8 @@ const std::array table{
           "particles in the measured specimen, whose scatter they set; 0: countless if measured, as the runs if synthetic", count(0, 1e12)},
     Field{"bulk", "void_ratio", [](Settings& s) -> Slot { return &s.bulk.void_ratio; },
           "initial void ratio of each sample as an input of the emulator; auto: where packings can reach it", {}, three_ways},
+    Field{"bulk", "paired_by", [](Settings& s) -> Slot { return &s.bulk.paired_by; },
+          "covariate whose equal values pair samples of different groups, for signed-rank tests", {}, nullptr, "", Resuming::may_differ},
     Field{"bulk", "stages", [](Settings& s) -> Slot { return &s.bulk.stages; },
           "most stages of the shared ensemble; samples' own are interpolated if there are more", count(4, 40)},
     Field{"bulk", "confirmation_packings", [](Settings& s) -> Slot { return &s.bulk.confirmation_packings; },

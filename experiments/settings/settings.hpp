@@ -80,6 +80,7 @@ struct CalibrationSettings {
 /// How a data set's samples are calibrated from one ensemble (verb bulk).
 struct BulkSettings {
     std::string void_ratio = "auto";  // as an input of the emulator: auto | on | off
+    std::string paired_by;            // covariate that pairs samples of different groups; empty: none
     int stages = 12;                  // most stages of the shared ensemble
     int confirmation_packings = 4;    // fresh packings for each sample's direct runs
     int posterior_draws = 600;        // in the last round of sampling each posterior

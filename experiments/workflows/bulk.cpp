@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <chrono>
 
+#include "experiments/bulk/bulk_report.hpp"
 #include "experiments/bulk/bulk_result.hpp"
 #include "experiments/bulk/study.hpp"
 #include "experiments/output/atomic_file.hpp"
 #include "experiments/output/log.hpp"
+#include "experiments/report/report.hpp"
 #include "experiments/settings/run_folder.hpp"
 #include "experiments/workflows/result_json.hpp"
 
@@ -19,9 +21,10 @@ using nlohmann::json;
 
 std::string summary_text(const json& result, const std::filesystem::path& folder) {
     const json& overall = result["overall"];
-    std::string text = fmt::format("{} of {} samples calibrated, {} not followed, {} failed\n",
-                                   overall["calibrated"].get<int>(), result["samples"].size(),
-                                   overall["not_followed"].get<int>(), overall["failed"].get<int>());
+    std::string text =
+        fmt::format("{} of {} samples calibrated ({} of them not followed to 6.7e-3 m/m), {} failed\n",
+                    overall["calibrated"].get<int>(), result["samples"].size(),
+                    overall["not_followed"].get<int>(), overall["failed"].get<int>());
     if (overall["readings"].get<int>() > 0)
         text += fmt::format(
             "direct DEM runs on fresh packings: error {:.2e} m/m, mean error {:.2e} m/m, r {:.4f} ({} "
@@ -30,7 +33,8 @@ std::string summary_text(const json& result, const std::filesystem::path& folder
             overall["readings"].get<int>());
     for (const json& warning : result["warnings"])
         text += fmt::format("warning: {}\n", warning.get<std::string>());
-    return text + fmt::format("parameters: {}\n", (folder / "parameters.csv").string());
+    return text + fmt::format("parameters: {}\nreport: {}\n", (folder / "parameters.csv").string(),
+                              (folder / "report.html").string());
 }
 
 }  // namespace
@@ -50,8 +54,14 @@ int run_bulk(const Settings& settings) {
         warnings.insert(warnings.end(), more->begin(), more->end());
     json result = common_result(settings, set.name, ensemble.campaign(), warnings);
     add_study(result, study, set, ensemble.space());
+    const GroupStatistics statistics =
+        group_statistics(study, set, ensemble.space(), settings.bulk.paired_by);
+    json document = bulk_document(result, study, statistics, set, ensemble, settings);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
-    result["seconds"] = seconds;
+    result["seconds"] = document["seconds"] = seconds;
+    write_file_atomically(folder.file("report.json"),
+                          document.dump(-1, ' ', false, json::error_handler_t::replace) + "\n");
+    write_file_atomically(folder.file("report.html"), report_html(document));
     write_file_atomically(folder.file("parameters.csv"), parameters_csv(study, set, ensemble.space()));
     write_file_atomically(folder.file("result.json"), result.dump(1) + "\n");
     log.write(fmt::format("done in {:.1f} s", seconds));

@@ -8,6 +8,30 @@ const has = (value) => Boolean(value) && typeof value === "object" && Object.key
 // To add a section: a file in sections/ with `render(parent, document)`, and a line here.
 const sections = [
   {
+    id: "samples",
+    title: "Samples",
+    module: "sections/bulk_samples.js",
+    wanted: (d) => list(d.bulk?.samples).length > 0,
+  },
+  {
+    id: "groups",
+    title: "Groups of samples",
+    module: "sections/bulk_groups.js",
+    wanted: (d) => list(d.bulk?.statistics?.groupings).length > 0,
+  },
+  {
+    id: "correlations",
+    title: "Rank correlations",
+    module: "sections/bulk_correlations.js",
+    wanted: (d) => list(d.bulk?.statistics?.correlation).length > 1,
+  },
+  {
+    id: "ensemble",
+    title: "Ensemble and measurements",
+    module: "sections/bulk_ensemble.js",
+    wanted: (d) => list(d.bulk?.coverage).length > 0,
+  },
+  {
     id: "parameters",
     title: "Parameters",
     module: "sections/parameters.js",
