@@ -36,6 +36,24 @@ lab_data::UserError no_reading(const lab_data::Test& test) {
                                 .remedy = "give readings with rising axial_strain, compression positive"});
 }
 
+/// One parameter set is to describe specimens of all densities: where they are far apart, what the model
+/// leaves out of density's part shows as a disagreement of the tests.
+void warn_of_densities(const std::vector<CampaignTest>& tests, std::vector<std::string>& warnings) {
+    constexpr double far_apart = 0.2;
+    const auto of = [](const CampaignTest& test) { return test.test->initial_void_ratio.value_or(NAN); };
+    const CampaignTest *loosest = nullptr, *densest = nullptr;
+    for (const CampaignTest& test : tests) {
+        if (std::isnan(of(test))) continue;
+        if (loosest == nullptr || of(test) > of(*loosest)) loosest = &test;
+        if (densest == nullptr || of(test) < of(*densest)) densest = &test;
+    }
+    if (loosest == nullptr || of(*loosest) - of(*densest) <= far_apart) return;
+    warnings.push_back(
+        fmt::format("initial void ratios span {:.3f} ({}) to {:.3f} ({}): one parameter set has to "
+                    "describe both",
+                    of(*densest), densest->test->file, of(*loosest), loosest->test->file));
+}
+
 /// Packing files hold periodic cells: what lies in a box cannot be loaded from them.
 bool can_take_the_packing(const Settings& settings, const lab_data::Sample& sample,
                           const lab_data::Test& test, const LabTestKind& kind) {
@@ -70,6 +88,7 @@ std::vector<CampaignTest> select_tests(const Settings& settings, const lab_data:
         first += entry.outputs();
         out.push_back(entry);
     }
+    warn_of_densities(out, warnings);
     if (out.empty())
         throw lab_data::UserError({.file = sample.folder.string(),
                                    .constraint = "has no test of the kinds asked for",
