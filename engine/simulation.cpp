@@ -130,7 +130,7 @@ void Simulation::set_time_step() {
 /// Hertzian contacts stiffen with their overlap: the time step is made for twice the largest one, and made
 /// anew when that has been passed or has become far too large.
 void Simulation::follow_stiffness() {
-    if (!stiffens(law_) || options_.largest_overlap > 0 || measured_.contacts == 0) return;
+    if (!stiffens(law_) || options_.largest_overlap > 0 || measured_.max_overlap <= 0) return;
     const double wanted = std::clamp(2 * measured_.max_overlap, 1e-7, 0.5);
     if (1.5 * measured_.max_overlap < time_step_overlap_ && time_step_overlap_ < 4 * wanted) return;
     time_step_overlap_ = wanted;

@@ -44,10 +44,10 @@ void Simulation::set_reference_volume(double volume) {
 /// The contacts of every wall, in the loop that those of the particles go through; `a` is what that loop had.
 void Simulation::wall_forces(ContactArguments a, ContactSums& sums, Measure measure) {
     walls_.place_feet(particles_.data(), gradient_);
-    a.law.normal_cohesion = a.law.shear_cohesion = a.law.bridge_force = a.law.bridge_reach = 0;
+    a.law = composition_.at_wall;
     for (std::size_t k = 0; k < walls_.size(); ++k) {
         point_to(walls_.pairs(k), 0, walls_.pairs(k).padded(), a);
-        a.law.friction_coefficient = std::tan(walls_.wall(k).friction_angle);
+        a.law.friction_coefficient = walls_.friction_coefficient(k);
         ContactSums of_wall{};
         contact_loop(measure)(a, of_wall);
         if (measure == Measure::all) walls_.record(k, of_wall);

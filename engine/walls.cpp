@@ -34,6 +34,7 @@ void Walls::add(const Wall& wall) {
     state.wall = wall;
     state.built_centre = wall.centre();
     state.normal = wall.normal();
+    state.friction_coefficient = std::tan(wall.friction_angle);
     state.per_a = wall.edge_a / wall.edge_a.squaredNorm();
     state.per_b = wall.edge_b / wall.edge_b.squaredNorm();
     walls_.push_back(std::move(state));

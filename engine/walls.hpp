@@ -49,6 +49,7 @@ class Walls {
     double take_forces(const ParticleRow* particles, ForceRow* forces);
     /// Moves the walls, those with a drive by the forces of this step.
     void move(double dt, const Eigen::Matrix3d& gradient);
+    double friction_coefficient(std::size_t k) const { return at(k).friction_coefficient; }
     PairList& pairs(std::size_t k) { return at(k).pairs; }
     void record(std::size_t k, const ContactSums& sums);
 
@@ -61,6 +62,7 @@ class Walls {
     struct State {
         Wall wall;
         WallDrive drive;
+        double friction_coefficient = 0;
         double mean_speed = 0;                 // of the drive (m/s)
         Eigen::Vector3d normal, per_a, per_b;  // per_a: edge_a over its squared length (1/m)
         PairList pairs;

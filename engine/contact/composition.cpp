@@ -120,6 +120,16 @@ double wave_modulus_of(const HertzMindlin& law, double overlap, bool turns) {
     return stiffened(modulus * std::sqrt(overlap), share, turns);
 }
 
+/// A wall is rigid and does not stick: all of the overlap is the sphere's, half of what two equal spheres
+/// share. The laws see a partner of radius zero and a reduced radius R. That makes a spring of the reduced
+/// radius twice as stiff as between equal spheres, and a Hertzian contact one with a plane; a spring of the
+/// sum of radii has to be told.
+LawNumbers numbers_at_wall(const ContactLaw& law, LawNumbers n) {
+    n.normal_cohesion = n.shear_cohesion = n.bridge_force = n.bridge_reach = 0;
+    if (std::holds_alternative<LinearDamped>(law.base)) n.normal_modulus *= 4;
+    return n;
+}
+
 template <template <class, class> class LawOf>
 double force_of(const LawNumbers& n, const Touch<double>& pair, double bond, const std::array<double, 3>&) {
     const LawOf<double, bool> law(n, pair, bond, bond > bond_none);
@@ -170,6 +180,7 @@ Composition compose(const ContactLaw& law, double grain_density, bool free_rotat
         out.numbers.rolling_stiffness = law.rolling.stiffness;
     }
     resolve_effects(law, out);
+    out.at_wall = numbers_at_wall(law, out.numbers);
     return out;
 }
 

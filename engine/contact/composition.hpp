@@ -10,6 +10,7 @@ namespace loam::engine {
 
 struct Composition {
     LawNumbers numbers{};
+    LawNumbers at_wall{};     // the same law against a flat wall, but for the friction, which is the wall's
     std::size_t base = 0;     // which base law, in the order of ContactLaw::base
     std::size_t history = 0;  // doubles for each contact beyond shear force and bond
     Turning turning = Turning::blocked;

@@ -109,7 +109,7 @@ class Shearing {
         now.displacement = box_.displacement(simulation_) / length_;
         now.shear_stress = box_.shear_force(simulation_) / box_.plan();
         now.normal_stress = pressure;
-        now.wall_share = box_.side_friction(simulation_) / (pressure * box_.plan());
+        now.wall_share = box_.load_of_sides(simulation_) / (pressure * box_.plan());
         now.settlement = 1 - box_.height(simulation_) / height_;
         now.void_ratio = porosity / (1 - porosity);
         now.coordination_number = simulation_.measured().coordination_number;

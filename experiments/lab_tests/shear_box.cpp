@@ -77,8 +77,8 @@ double ShearBox::shear_force(const engine::Simulation& simulation) const {
     return -force;
 }
 
-double ShearBox::side_friction(const engine::Simulation& simulation) const {
-    double force = 0;
+double ShearBox::load_of_sides(const engine::Simulation& simulation) const {
+    double force = -simulation.walls().force(upper_flange_).z();
     for (const std::size_t wall : upper_) force -= simulation.walls().force(wall).z();
     return force;
 }

@@ -27,8 +27,8 @@ class ShearBox {
     double displacement(const engine::Simulation& simulation) const;  // of the upper half (m)
     /// Of all walls of the upper half on the particles, along x, in the last step (N).
     double shear_force(const engine::Simulation& simulation) const;
-    /// Downwards, of the particles on the sides of the upper half, in the last step (N).
-    double side_friction(const engine::Simulation& simulation) const;
+    /// Downwards, of the particles on the sides and the flange of the upper half, in the last step (N).
+    double load_of_sides(const engine::Simulation& simulation) const;
 
   private:
     void add_half(engine::Simulation& simulation, const engine::Box& box, double low, double high,

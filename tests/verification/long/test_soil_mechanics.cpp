@@ -1,17 +1,15 @@
-// What soil mechanics knows of triaxial and direct shear tests, on packings of this engine.
+// What soil mechanics knows of triaxial tests, on packings of this engine.
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstdio>
 
-#include "engine/boxed_packing.hpp"
-#include "experiments/lab_tests/direct_shear.hpp"
+#include "engine/packing.hpp"
 #include "experiments/lab_tests/triaxial.hpp"
 
 namespace loam {
 namespace {
 
-using experiments::DirectShearOptions;
 using experiments::TriaxialOptions;
 
 constexpr double pressure = 1e5;  // Pa
@@ -64,10 +62,6 @@ std::vector<double> every(double first, double last, double step) {
     return out;
 }
 
-double friction_angle(double deviatoric_ratio) {
-    return std::asin(deviatoric_ratio / (2 + deviatoric_ratio));
-}
-
 /// Schofield and Wroth 1968: strength at large strain does not depend on how dense a specimen was made, nor
 /// does, in the end, its void ratio.
 TEST(SoilMechanics, DenseAndLooseEndAtTheSameCriticalState) {
@@ -85,36 +79,6 @@ TEST(SoilMechanics, DenseAndLooseEndAtTheSameCriticalState) {
     EXPECT_NEAR(dense.ratio / loose.ratio, 1, 0.1);
     // They began 0.17 apart.
     EXPECT_LT(std::abs(dense.void_ratio - loose.void_ratio), 0.05);
-}
-
-/// Davis 1968; Rowe 1969: at large strain the ratio of stresses on the plane of a direct shear test lies
-/// between sin phi (where the directions of largest stress and strain rate agree) and tan phi (where the
-/// plane is that of largest obliquity), phi from plane strain, which is up to an eighth above that from the
-/// triaxial test.
-TEST(SoilMechanics, DirectShearAndTriaxialFrictionAreInTheKnownRelation) {
-    double triaxial_ratio = 0, shear_ratio = 0;
-    for (const std::uint64_t seed : {1, 2, 3}) {
-        triaxial_ratio += triaxial(1500, 0.42, seed, every(0.3, 0.4, 0.01)).ratio / 3;
-        engine::BoxedPackingOptions options;
-        options.particles = 2000;
-        options.proportions = {1, 1, 0.6};
-        options.target_porosity = 0.45;
-        options.seed = seed;
-        const auto made = engine::make_boxed_packing(options);
-        DirectShearOptions how;
-        how.normal_stress = pressure;
-        how.displacements = every(0.12, 0.2, 0.01);
-        how.seating_stiffness = 2e4;
-        const auto run = run_direct_shear(made.packing, made.box, sand(), free_rotation(), how);
-        ASSERT_TRUE(run.complete) << run.reason;
-        for (const auto& reading : run.readings)
-            shear_ratio += reading.shear_stress / pressure / static_cast<double>(run.readings.size()) / 3;
-    }
-    const double phi = friction_angle(triaxial_ratio);
-    std::printf("triaxial phi %.1f deg: sin %.3f, tan of nine eighths %.3f; direct shear %.3f\n",
-                phi * 180 / 3.14159265, std::sin(phi), std::tan(1.125 * phi), shear_ratio);
-    EXPECT_GT(shear_ratio, std::sin(phi) * 0.95);
-    EXPECT_LT(shear_ratio, std::tan(1.125 * phi) * 1.1);
 }
 
 /// Above some hundred particles the number of them only sets the scatter.
