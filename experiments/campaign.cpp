@@ -176,6 +176,7 @@ Campaign::Campaign(const Settings& settings, const lab_data::Sample& sample,
       sample_(&sample),
       options_(options),
       space_(parameter_space(settings)),
+      effects_(settings),
       tests_(select_tests(settings, sample, warnings_)),
       grain_density_(settings.specimen.grain_density_kg_m3.value_or(
           sample.grain_density > 0 ? sample.grain_density : 2600.0)),
@@ -199,8 +200,11 @@ std::vector<CampaignCurve> Campaign::curves() const {
 }
 
 double Campaign::porosity_of(const CampaignTest& test, const RunSpec& spec) const {
-    if (!options_.void_ratio) return test.porosity;
-    const double void_ratio = spec.parameters[spec.parameters.size() - 1];
+    const double error = effects_.void_ratio_error(spec.parameters);
+    if (!options_.void_ratio && error == 0) return test.porosity;
+    const double stated = options_.void_ratio ? spec.parameters[spec.parameters.size() - 1]
+                                              : test.porosity / (1 - test.porosity);
+    const double void_ratio = std::max(0.0, stated + error);
     return void_ratio / (1 + void_ratio);
 }
 
@@ -224,10 +228,16 @@ RunRecord Campaign::simulate(const RunSpec& spec, const StopToken& stop) {
     for (const CampaignTest& test : tests_) {
         const auto specimen = specimen_of(test, spec, stop);
         const engine::ContactLaw law = contact_law(settings_, spec.parameters);
-        VirtualTestResult result = test.kind->run(*specimen, law, settings_, grain_density_, *test.test, [&] {
-            stop.throw_if_requested();
-            return false;
-        });
+        const SimulatedTest simulated{*test.kind, *test.test, test.readings};
+        const auto run_on = [&](const lab_data::Test& met) {
+            return test.kind->run(*specimen, law, settings_, grain_density_, met, [&] {
+                stop.throw_if_requested();
+                return false;
+            });
+        };
+        VirtualTestResult result =
+            effects_.empty() ? run_on(*test.test) : run_on(effects_.as_met(simulated, spec.parameters));
+        effects_.correct(simulated, spec.parameters, result.outputs);
         auto& d = record.diagnostics;
         const auto worst = [&](Diagnostic which, double value) { d[which] = std::max(d[which], value); };
         worst(inertial_number, result.inertial_number);

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "experiments/effects/run_effects.hpp"
 #include "experiments/ensemble/ensemble.hpp"
 #include "experiments/lab_tests/registry.hpp"
 #include "experiments/output/log.hpp"
@@ -105,6 +106,7 @@ class Campaign {
     const lab_data::Sample* sample_;
     CampaignOptions options_;
     ParameterSpace space_;
+    TestEffects effects_;
     std::vector<std::string> warnings_;  // before the tests, whose selection adds to it
     std::vector<CampaignTest> tests_;
     Eigen::Index outputs_ = 0;

@@ -3,6 +3,7 @@
 #include <span>
 #include <stdexcept>
 
+#include "experiments/effects/model_effects.hpp"
 #include "experiments/settings/parameters.hpp"
 
 namespace loam::experiments {
@@ -80,8 +81,8 @@ engine::ContactLaw contact_law(const Settings& settings, const Eigen::VectorXd& 
     }
     values = values.subspan(law.parameters.size());
     for (const std::string& name : settings.effects) {
-        const engine::EffectInfo& effect = *engine::find_effect(name);
-        effect.apply(out, values.first(effect.parameters.size()));
+        const ModelEffect& effect = *find_model_effect(name);
+        if (effect.contact) effect.contact->apply(out, values.first(effect.parameters.size()));
         values = values.subspan(effect.parameters.size());
     }
     return out;

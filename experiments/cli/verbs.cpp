@@ -7,6 +7,7 @@
 #include "experiments/workflows/calibrate.hpp"
 #include "experiments/workflows/check.hpp"
 #include "experiments/workflows/crosstest.hpp"
+#include "experiments/workflows/diagnose.hpp"
 #include "experiments/workflows/effects.hpp"
 #include "experiments/workflows/report.hpp"
 #include "experiments/workflows/simulate.hpp"
@@ -35,6 +36,9 @@ const std::array table{
          "loam bulk lab_data/sets/flanders_twin_125", run_bulk},
     Verb{"crosstest", "fit triaxial and direct shear tests apart, exchange the parameter sets, compare", "SAMPLE",
          "folder of the sample", "loam crosstest lab_data/sets/twin_coarse_sand --law linear-damped", run_crosstest},
+    Verb{"diagnose", "find where the calibrated model fails, name the missing effect, add it, show the gap shrink",
+         "SAMPLE", "folder of the sample",
+         "loam diagnose lab_data/sets/twin_coarse_sand --law linear-damped", run_diagnose},
     Verb{"report", "write the report of a run again", "RUN", "folder of the run",
          "loam report runs/calibrate-dobrany-sand", run_report},
     Verb{"effects", "list laws and effects with parameters, units, bounds, sources", "", "",

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "experiments/effects/model_effects.hpp"
 #include "experiments/workflows/benchmarks/other_codes.hpp"
 #include "lab_data/sample.hpp"
 #include "optimizers/registry.hpp"
@@ -26,7 +27,7 @@ constexpr Limits count(double least, double most = 1e6) {
 }
 
 Names verbs_with_settings() {
-    return {"simulate", "calibrate", "bulk", "crosstest", "bench"};
+    return {"simulate", "calibrate", "bulk", "crosstest", "diagnose", "bench"};
 }
 Names rotations() {
     return {"blocked", "free"};
@@ -72,7 +73,7 @@ Names law_names() {
 
 Names effect_names() {
     Names names;
-    for (const engine::EffectInfo& effect : engine::effects()) names.push_back(effect.name);
+    for (const ModelEffect& effect : model_effects()) names.push_back(effect.name);
     return names;
 }
 
@@ -114,7 +115,7 @@ const std::array table{
     Field{"", "rotation", [](Settings& s) -> Slot { return &s.rotation; },
           "rotation of the particles", {}, rotations, "free|blocked"},
     Field{"", "effects", [](Settings& s) -> Slot { return &s.effects; },
-          "effects added to the law (see `loam effects`)", {}, effect_names, "NAME,..."},
+          "effects added to the law or the test (see `loam effects`)", {}, effect_names, "NAME,..."},
     Field{"", "particles", [](Settings& s) -> Slot { return &s.particles; },
           "particles in a specimen", count(100, 2e6), nullptr, "N"},
     Field{"", "runs", [](Settings& s) -> Slot { return &s.runs; },
@@ -135,7 +136,7 @@ const std::array table{
     Field{"engine", "inertial_number", [](Settings& s) -> Slot { return &s.engine.inertial_number; },
           "target while loading, 1: sets the strain rate", {.lower = 0, .upper = 0.1, .open_lower = true}},
     Field{"engine", "haste", [](Settings& s) -> Slot { return &s.engine.haste; },
-          "rates of loading over the careful ones, 1 (default for bulk: 3)", {.lower = 0.1, .upper = 10}},
+          "rates of loading over the careful ones, 1 (default for bulk and diagnose: 3)", {.lower = 0.1, .upper = 10}},
     Field{"engine", "fragile", [](Settings& s) -> Slot { return &s.engine.fragile; },
           "a cohesive bond, once broken, does not heal"},
     Field{"engine", "interaction_range", [](Settings& s) -> Slot { return &s.engine.interaction_range; },
@@ -187,6 +188,18 @@ const std::array table{
           "fresh packings for each sample's direct runs at the estimate", count(1)},
     Field{"bulk", "posterior_draws", [](Settings& s) -> Slot { return &s.bulk.posterior_draws; },
           "draws in the last round of each sample's posterior", count(100, 1e6)},
+    Field{"diagnosis", "candidates", [](Settings& s) -> Slot { return &s.diagnosis.candidates; },
+          "effects to consider (default: every one that the model has not)", {}, effect_names},
+    Field{"diagnosis", "false_alarm_rate", [](Settings& s) -> Slot { return &s.diagnosis.false_alarm_rate; },
+          "of the test whether the model fails anywhere, for the whole sample, 1", {.lower = 5e-4, .upper = 0.2}},
+    Field{"diagnosis", "packings", [](Settings& s) -> Slot { return &s.diagnosis.packings; },
+          "fresh packings for the direct runs of the base model and the leading effects", count(2)},
+    Field{"diagnosis", "fingerprint_packings", [](Settings& s) -> Slot { return &s.diagnosis.fingerprint_packings; },
+          "packings, common with the base model, for each effect's fingerprint", count(2)},
+    Field{"diagnosis", "leaders", [](Settings& s) -> Slot { return &s.diagnosis.leaders; },
+          "leading effects that get an ensemble of their own", count(1, 20)},
+    Field{"diagnosis", "runs", [](Settings& s) -> Slot { return &s.diagnosis.runs; },
+          "simulations in the first design of each", count(1)},
 };
 // clang-format on
 

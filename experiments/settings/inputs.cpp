@@ -20,6 +20,9 @@ namespace fs = std::filesystem;
 
 constexpr int bulk_runs = 959;    // as De Pue et al. 2019
 constexpr double bulk_haste = 3;  // changes strains by less than packings scatter
+// A diagnosis is several calibrations, which end within an hour on two cores so.
+constexpr int diagnosis_runs = 80, diagnosis_rounds = 2;
+constexpr double diagnosis_haste = 3;
 
 /// FNV-1a (Fowler, Noll, Vo), 64 bits.
 class Fingerprint {
@@ -98,7 +101,7 @@ void check_tests(Draft& draft, const lab_data::Sample& sample) {
             throw fault_at(origin, kind, fmt::format("is not among the tests of the sample {}", sample.name),
                            "see loam check SAMPLE");
     }
-    if (settings.verb == "calibrate" && fitted.empty())
+    if ((settings.verb == "calibrate" || settings.verb == "diagnose") && fitted.empty())
         throw fault_at(origin_of(draft.origins, "hold_out"), "", "leaves no test to fit", "hold out fewer");
 }
 
@@ -126,6 +129,12 @@ std::string resolve_sample(Draft& draft) {
     resolve_hold_out(draft, sample);
     check_tests(draft, sample);
     check_specimens(settings, sample);
+    if (settings.verb == "diagnose") {
+        if (!draft.origins.contains("runs")) settings.runs = diagnosis_runs;
+        if (!draft.origins.contains("engine.haste")) settings.engine.haste = diagnosis_haste;
+        if (!draft.origins.contains("calibration.max_rounds"))
+            settings.calibration.max_rounds = diagnosis_rounds;
+    }
     settings.inputs_digest = digest_of_inputs(sample, settings.packing);
     return sample.name;
 }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -26,7 +27,7 @@ ParameterInfo parameter_of(const Settings& settings, const std::string& name, co
         if (parameter.name == name) return parameter;
         valid.push_back(parameter.name);
     }
-    for (const engine::EffectInfo& effect : engine::effects())
+    for (const ModelEffect& effect : model_effects())
         for (const ParameterInfo& parameter : effect.parameters)
             if (parameter.name == name)
                 throw fault_at(origin, name, fmt::format("is a parameter of the effect {}", effect.name),
@@ -109,11 +110,37 @@ bool is_logarithmic(PriorKind kind) {
     return kind == PriorKind::lognormal || kind == PriorKind::loguniform;
 }
 
+bool is_fitting(const Settings& settings) {
+    constexpr std::array<std::string_view, 4> verbs{"calibrate", "bulk", "crosstest", "diagnose"};
+    return std::ranges::find(verbs, settings.verb) != verbs.end();
+}
+
+void free_rotation_where_it_is_an_effect(Settings& settings) {
+    if (std::ranges::find(settings.effects, "rotation") != settings.effects.end()) settings.rotation = "free";
+}
+
+void add_effect(Settings& settings, const ModelEffect& effect) {
+    const auto add = [&](std::string_view name) {
+        if (std::ranges::find(settings.effects, name) == settings.effects.end())
+            settings.effects.emplace_back(name);
+    };
+    if (effect.needs_rotation() && settings.rotation != "free") add("rotation");
+    add(effect.name);
+    free_rotation_where_it_is_an_effect(settings);
+    for (const ParameterInfo& parameter : effect.parameters) {
+        const std::string name(parameter.name);
+        if (!std::isnan(parameter.held))
+            settings.set.try_emplace(name, parameter.held);
+        else if (!settings.set.contains(name))
+            settings.priors.try_emplace(name, prior_from(parameter, PriorText{}, Origins{}));
+    }
+}
+
 std::vector<ParameterInfo> model_parameters(const Settings& settings) {
     const auto of_law = engine::find_law(settings.law)->parameters;
     std::vector<ParameterInfo> out(of_law.begin(), of_law.end());
     for (const std::string& name : settings.effects)
-        if (const engine::EffectInfo* effect = engine::find_effect(name))
+        if (const ModelEffect* effect = find_model_effect(name))
             out.insert(out.end(), effect->parameters.begin(), effect->parameters.end());
     return out;
 }
@@ -137,15 +164,15 @@ void complete_priors(Settings& settings, const Draft& draft) {
 
 void check_effects(const Settings& settings, const Origins& origins) {
     for (const std::string& name : settings.effects) {
-        const engine::EffectInfo& effect = *engine::find_effect(name);
-        if (effect.needs_rotation && settings.rotation != "free")
+        const ModelEffect& effect = *find_model_effect(name);
+        if (effect.needs_rotation() && settings.rotation != "free")
             throw fault_at(origin_of(origins, "effects"), name, "needs particles that rotate",
                            "add --rotation free");
         if (!effect.goes_with(settings.law))
             throw fault_at(origin_of(origins, "effects"), name,
                            fmt::format("does not go with the law {}", settings.law),
-                           fmt::format("it goes with {}", fmt::join(effect.laws, " and ")));
-        if (effect.needs_fragile && settings.law == "linear-cohesive" && !settings.engine.fragile)
+                           fmt::format("it goes with {}", fmt::join(effect.contact->laws, " and ")));
+        if (effect.needs_fragile() && settings.law == "linear-cohesive" && !settings.engine.fragile)
             throw fault_at(origin_of(origins, "effects"), name, "needs bonds that break",
                            "write fragile = true under [engine]");
     }
@@ -163,7 +190,7 @@ void check_parameters(const Settings& settings, const Origins& origins) {
     }
     for (const auto& [name, prior] : settings.priors)
         check_prior(parameter_of(settings, name, origin_of(origins, "priors." + name)), prior, origins);
-    if (settings.verb != "simulate" && settings.verb != "bench" && settings.priors.empty())
+    if (is_fitting(settings) && settings.priors.empty())
         throw fault_at(origin_of(origins, "set"), "", "leaves nothing to fit: every parameter is held fixed",
                        "fix fewer, or use loam simulate");
 }

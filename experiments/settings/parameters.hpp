@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "experiments/effects/model_effects.hpp"
 #include "experiments/settings/reading.hpp"
 
 namespace loam::experiments {
@@ -18,6 +19,16 @@ bool has_mean(engine::PriorKind kind);
 
 /// Whether it is the log10 of the value that is spread.
 bool is_logarithmic(engine::PriorKind kind);
+
+/// Whether the settings' verb fits parameters.
+bool is_fitting(const Settings& settings);
+
+/// Sets rotation to free where the effect of that name is among the effects.
+void free_rotation_where_it_is_an_effect(Settings& settings);
+
+/// Adds an effect to complete settings, with the default priors of its parameters, and freed rotation where
+/// it needs that and the settings block it.
+void add_effect(Settings& settings, const ModelEffect& effect);
 
 /// Those of the settings' law, then of their effects in the order given. The law must exist; what is no
 /// effect is left out.

@@ -44,6 +44,7 @@ void read_override(Draft& draft, const Override& given) {
 
 Settings complete(const Draft& draft) {
     Settings settings = draft.settings;
+    free_rotation_where_it_is_an_effect(settings);
     // An unknown law has no priors to complete; validate() says so.
     if (engine::find_law(settings.law)) complete_priors(settings, draft);
     validate(settings, draft.origins);

@@ -87,6 +87,17 @@ struct BulkSettings {
     bool operator==(const BulkSettings&) const = default;
 };
 
+/// How a missing effect is looked for (verb diagnose).
+struct DiagnosisSettings {
+    std::vector<std::string> candidates;  // effects to consider; empty: every one
+    double false_alarm_rate = 0.005;      // of the test whether the model fails anywhere
+    int packings = 12;                    // fresh packings for the direct runs of base and leaders
+    int fingerprint_packings = 6;         // common packings for each effect's fingerprint
+    int leaders = 3;                      // effects that get an ensemble of their own
+    int runs = 48;                        // in the first design of each
+    bool operator==(const DiagnosisSettings&) const = default;
+};
+
 struct Settings {
     std::string verb;
     std::string benchmark;              // of the verb bench
@@ -117,6 +128,7 @@ struct Settings {
     DirectShearSettings direct_shear;
     CalibrationSettings calibration;
     BulkSettings bulk;
+    DiagnosisSettings diagnosis;
     bool operator==(const Settings&) const = default;
 };
 

@@ -54,10 +54,6 @@ bool is_count(const std::string& text) {
     return !text.empty() && text.size() < 10 && text.find_first_not_of("0123456789") == std::string::npos;
 }
 
-bool is_fitting(const Settings& settings) {
-    return settings.verb == "calibrate" || settings.verb == "bulk" || settings.verb == "crosstest";
-}
-
 }  // namespace
 
 Origin origin_of(const Origins& origins, std::string_view path) {

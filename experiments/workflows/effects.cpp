@@ -7,13 +7,12 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "engine/contact/registry.hpp"
+#include "experiments/effects/model_effects.hpp"
 #include "experiments/settings/parameters.hpp"
 
 namespace loam::experiments {
 namespace {
 
-using engine::EffectInfo;
 using engine::LawInfo;
 using engine::ParameterInfo;
 using engine::PriorInfo;
@@ -58,18 +57,36 @@ nlohmann::json as_json(const LawInfo& law) {
             {"parameters", as_json(law.parameters)}};
 }
 
+std::string_view of(const ModelEffect& effect) {
+    switch (effect.origin) {
+        case EffectOrigin::contact:
+            return "contact";
+        case EffectOrigin::rotation:
+            return "rotation";
+        case EffectOrigin::apparatus:
+            return "apparatus";
+        case EffectOrigin::specimen:
+            return "specimen";
+    }
+    return "";
+}
+
 /// The laws that an effect goes with.
-std::vector<std::string_view> names_of_laws(const EffectInfo& effect) {
+std::vector<std::string_view> names_of_laws(const ModelEffect& effect) {
     std::vector<std::string_view> names;
     for (const LawInfo& law : engine::laws())
         if (effect.goes_with(law.name)) names.push_back(law.name);
     return names;
 }
 
-nlohmann::json as_json(const EffectInfo& effect) {
-    return {{"name", effect.name},           {"meaning", effect.meaning},
-            {"source", effect.source},       {"needs_rotation", effect.needs_rotation},
-            {"laws", names_of_laws(effect)}, {"parameters", as_json(effect.parameters)}};
+nlohmann::json as_json(const ModelEffect& effect) {
+    return {{"name", effect.name},
+            {"meaning", effect.meaning},
+            {"source", effect.source},
+            {"of", of(effect)},
+            {"needs_rotation", effect.needs_rotation()},
+            {"laws", names_of_laws(effect)},
+            {"parameters", as_json(effect.parameters)}};
 }
 
 void print_parameters(std::span<const ParameterInfo> parameters) {
@@ -93,10 +110,12 @@ void print_model() {
         fmt::print("\n");
     }
     fmt::print("rotation of the particles: blocked or free, in every law (--rotation)\n");
-    for (const EffectInfo& effect : engine::effects()) {
-        fmt::print("\neffect {}, on {}: {}{}\n  source: {}\n", effect.name,
-                   effect.laws.empty() ? "every law" : fmt::format("{}", fmt::join(effect.laws, ", ")),
-                   effect.meaning, effect.needs_rotation ? " (needs --rotation free)" : "", effect.source);
+    for (const ModelEffect& effect : model_effects()) {
+        const auto laws = names_of_laws(effect);
+        fmt::print(
+            "\neffect {}, of the {}, on {}: {}{}\n  source: {}\n", effect.name, of(effect),
+            laws.size() == engine::laws().size() ? "every law" : fmt::format("{}", fmt::join(laws, ", ")),
+            effect.meaning, effect.needs_rotation() ? " (needs --rotation free)" : "", effect.source);
         print_parameters(effect.parameters);
     }
 }
@@ -108,7 +127,7 @@ int run_effects(const PlainArguments& arguments) {
         nlohmann::json laws = nlohmann::json::array();
         for (const LawInfo& law : engine::laws()) laws.push_back(as_json(law));
         nlohmann::json effects = nlohmann::json::array();
-        for (const EffectInfo& effect : engine::effects()) effects.push_back(as_json(effect));
+        for (const ModelEffect& effect : model_effects()) effects.push_back(as_json(effect));
         fmt::print("{}\n", nlohmann::json{{"laws", laws}, {"effects", effects}}.dump(2));
         return 0;
     }

@@ -7,6 +7,7 @@ const has = (value) => Boolean(value) && typeof value === "object" && Object.key
 
 // To add a section: a file in sections/ with `render(parent, document)`, and a line here.
 const sections = [
+  { id: "diagnosis", title: "Diagnosis", module: "sections/diagnosis.js", wanted: (d) => has(d.diagnosis) },
   {
     id: "samples",
     title: "Samples",

@@ -1,0 +1,48 @@
+#include "experiments/diagnosis/fingerprints.hpp"
+
+#include <cmath>
+#include <numeric>
+
+namespace loam::experiments {
+
+using Eigen::Index;
+
+FingerprintTable compare_fingerprints(const Projection& projection, const std::vector<Fingerprint>& prints,
+                                      double same_group) {
+    const auto n = static_cast<Index>(prints.size());
+    FingerprintTable out{Eigen::VectorXd(n), Eigen::MatrixXd::Zero(n, n), std::vector<int>(prints.size())};
+    for (Index a = 0; a < n; ++a) out.size[a] = projection.norm(prints[static_cast<std::size_t>(a)].change);
+    std::iota(out.group.begin(), out.group.end(), 0);
+    for (Index a = 0; a < n; ++a)
+        for (Index b = 0; b < n; ++b) {
+            const Fingerprint &one = prints[static_cast<std::size_t>(a)],
+                              &other = prints[static_cast<std::size_t>(b)];
+            if (!(out.size[a] > 0 && out.size[b] > 0)) continue;
+            out.cosines(a, b) = projection.inner(one.change, other.change) / (out.size[a] * out.size[b]);
+            const bool either_sign = one.two_sided || other.two_sided;
+            const double alike = either_sign ? std::abs(out.cosines(a, b)) : out.cosines(a, b);
+            if (a == b || alike <= same_group) continue;
+            const int keep = out.group[static_cast<std::size_t>(a)],
+                      drop = out.group[static_cast<std::size_t>(b)];
+            for (int& group : out.group)
+                if (group == drop) group = keep;
+        }
+    return out;
+}
+
+Explained explain(const Projection& projection, const Fingerprint& print, double prior_sd) {
+    Explained out;
+    const double square = projection.inner(print.change, print.change);
+    const double along = projection.inner(print.change, projection.model().residual);
+    if (!(square > 0) || (along < 0 && !print.two_sided)) return out;
+    out.strength = print.strength * along / square;
+    out.chi_squared = along * along / square;
+    const double spread = square * std::pow(prior_sd / print.strength, 2);
+    out.log_evidence = 0.5 * (out.chi_squared * spread / (1 + spread) - std::log1p(spread));
+    // Half of the symmetric prior is ruled out for a strength that cannot be negative: nearly all of the mass
+    // lies on the right side where the effect matters.
+    if (!print.two_sided) out.log_evidence += std::log(2.0);
+    return out;
+}
+
+}  // namespace loam::experiments

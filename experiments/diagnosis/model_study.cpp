@@ -1,0 +1,174 @@
+#include "experiments/diagnosis/model_study.hpp"
+
+#include <cmath>
+
+#include "experiments/diagnosis/thresholds.hpp"
+#include "experiments/likelihood_terms.hpp"
+
+namespace loam::experiments {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// Direct runs of the diagnosis, apart from every round of the calibration.
+constexpr std::uint64_t diagnosis_round = 900;
+
+struct FittedCurve {
+    CampaignCurve curve;
+    ObservedCurve observed;  // its place among the fitted outputs
+};
+
+std::vector<FittedCurve> fitted_curves(const StudiedModel& model) {
+    std::vector<FittedCurve> out;
+    std::size_t at = 0;
+    for (const CampaignCurve& curve : model.campaign.curves())
+        if (!curve.test->held_out) out.push_back({curve, model.observation.curves[at++]});
+    return out;
+}
+
+double floor_of(const FittedCurve& fitted) {
+    const std::string_view channel = fitted.curve.channel->name;
+    if (channel == "axial_strain") return thresholds::tolerance_strain;
+    const lab_data::Test& test = *fitted.curve.test->test;
+    if (channel == "deviatoric_stress") return thresholds::tolerance_stress * test.cell_pressure;
+    if (channel == "shear_stress") return thresholds::tolerance_stress * test.normal_stress;
+    return channel == "settlement" ? thresholds::tolerance_volume * test.box_height
+                                   : thresholds::tolerance_volume;
+}
+
+/// Adds what sound models differ by: smooth along each curve.
+void add_tolerance(const StudiedModel& model, MatrixXd& c) {
+    for (const FittedCurve& fitted : fitted_curves(model)) {
+        const ObservedCurve& at = fitted.observed;
+        const VectorXd x = fitted.curve.test->measured(fitted.curve.test->kind->x_name);
+        const VectorXd place = (x / x.cwiseAbs().maxCoeff()).cwiseMax(0.0).cwiseSqrt();
+        VectorXd sd(at.count);
+        for (Index k = 0; k < at.count; ++k) {
+            const double y = model.observation.measured[at.first + k];
+            sd[k] = std::hypot(thresholds::tolerance_share * y, floor_of(fitted)) *
+                    model.calibration.trained->transforms[static_cast<std::size_t>(at.first + k)].derivative(
+                        std::max(y, 0.0));
+        }
+        for (Index j = 0; j < at.count; ++j)
+            for (Index i = 0; i < at.count; ++i)
+                c(at.first + i, at.first + j) +=
+                    sd[i] * sd[j] * std::exp(-std::abs(place[i] - place[j]) / thresholds::tolerance_length);
+    }
+}
+
+VectorXd mean_transformed(const StudiedModel& model, const std::vector<RunRecord>& runs) {
+    VectorXd sum = VectorXd::Zero(static_cast<Index>(model.calibration.columns.size()));
+    double n = 0;
+    for (const RunRecord& run : runs) {
+        if (!run.ok) continue;
+        sum += transformed(model, run.outputs);
+        n += 1;
+    }
+    if (n == 0) throw std::runtime_error("every direct run failed; the first reason: " + runs.at(0).reason);
+    return sum / n;
+}
+
+/// The model whose curve is the emulator's, moved so that it goes through the runs [.] at x [d].
+FittedModel anchored(const StudiedModel& model, const std::vector<RunRecord>& runs, const VectorXd& x) {
+    const TrainedEmulator& trained = *model.calibration.trained;
+    const double share = model.observation.packing_share;
+    const auto averaged = [&trained, share](const VectorXd& at) {
+        VectorXd out = 0.5 * (1 - std::min(1.0, share)) * trained.emulator.noise().covariance(at).diagonal();
+        for (Index k = 0; k < out.size(); ++k)
+            if (trained.transforms[static_cast<std::size_t>(k)].linear) out[k] = 0;
+        return out;
+    };
+    FittedModel out;
+    out.measured.resize(model.observation.measured.size());
+    for (Index k = 0; k < out.measured.size(); ++k)
+        out.measured[k] =
+            trained.transforms[static_cast<std::size_t>(k)].forward(model.observation.measured[k]);
+    const VectorXd offset = mean_transformed(model, runs) - trained.emulator.predict_mean(x);
+    out.curve = [&trained, averaged, offset](const VectorXd& at, MatrixXd* jacobian) {
+        return VectorXd(trained.emulator.predict_mean(at, jacobian) + averaged(at) + offset);
+    };
+    const ParameterSpace& space = model.campaign.space();
+    out.prior_mean.resize(space.dimension());
+    out.prior_sd.resize(space.dimension());
+    for (Index k = 0; k < space.dimension(); ++k) {
+        out.prior_mean[k] = space.prior(k).mean_unit();
+        out.prior_sd[k] = space.prior(k).sd_unit();
+    }
+    const auto sound = std::ranges::count_if(runs, [](const RunRecord& run) { return run.ok; });
+    out.noise = noise_of_comparison(model, x, static_cast<double>(sound));
+    return out;
+}
+
+}  // namespace
+
+VectorXd transformed(const StudiedModel& model, const VectorXd& outputs) {
+    const auto& columns = model.calibration.columns;
+    VectorXd out(static_cast<Index>(columns.size()));
+    for (std::size_t k = 0; k < columns.size(); ++k)
+        out[static_cast<Index>(k)] = model.calibration.trained->transforms[k].forward(outputs[columns[k]]);
+    return out;
+}
+
+MatrixXd noise_of_comparison(const StudiedModel& model, const VectorXd& x, double direct_runs) {
+    const TrainedEmulator& trained = *model.calibration.trained;
+    const ReadingNoise readings(model.observation, trained.transforms);
+    const MatrixXd packing = trained.emulator.noise().covariance(x);
+    MatrixXd out = model.observation.packing_share * readings.of_specimens(packing) + packing / direct_runs;
+    readings.add(VectorXd::Zero(static_cast<Index>(readings.misfit_priors().size())), out);
+    add_tolerance(model, out);
+    return out;
+}
+
+std::vector<Region> regions_of(const StudiedModel& model) {
+    std::vector<Region> out;
+    for (const FittedCurve& fitted : fitted_curves(model)) {
+        const CampaignTest& test = *fitted.curve.test;
+        RegionCurve curve{test.test->file,
+                          std::string(fitted.curve.channel->name),
+                          test.test->kind,
+                          fitted.observed.first,
+                          test.measured(test.kind->x_name),
+                          model.simulated.segment(fitted.curve.first, fitted.curve.count()),
+                          {}};
+        if (!test.test->phase.empty())
+            for (const std::size_t reading : test.readings) curve.phase.push_back(test.test->phase[reading]);
+        for (Region& region : regions_of(curve)) out.push_back(std::move(region));
+    }
+    return out;
+}
+
+std::vector<HeldOutGroup> tests_to_hold_out(const StudiedModel& model) {
+    std::vector<HeldOutGroup> out;
+    for (const FittedCurve& fitted : fitted_curves(model)) {
+        const std::string& file = fitted.curve.test->test->file;
+        if (out.empty() || out.back().name != file) out.push_back({file, {}});
+        for (Index k = 0; k < fitted.observed.count; ++k)
+            out.back().outputs.push_back(fitted.observed.first + k);
+    }
+    return out;
+}
+
+std::unique_ptr<StudiedModel> study_model(const Settings& settings, const lab_data::Sample& sample,
+                                          const std::filesystem::path& folder, RunLog* log,
+                                          const std::vector<RunRecord>& known) {
+    std::filesystem::create_directories(folder);
+    auto model = std::make_unique<StudiedModel>(settings, sample, folder, log);
+    Calibration& c = model->calibration;
+    std::vector<RunRecord> runs = training_runs(model->campaign);
+    runs.insert(runs.end(), known.begin(), known.end());
+    c = calibrate(model->campaign, runs);
+    std::vector<Index> columns;
+    model->observation = observation_of(model->campaign, columns);
+    const FittedModel first = anchored(*model, c.confirmation, c.fit.estimate);
+    model->estimate = most_probable(first, {}, c.fit.estimate);
+    model->direct = direct_runs(model->campaign, model->campaign.space().physical(model->estimate),
+                                diagnosis_round, settings.diagnosis.packings, "diagnosis: ");
+    model->simulated = mean_outputs(model->direct);
+    model->fitted = anchored(*model, model->direct, model->estimate);
+    model->linear = linearised(model->fitted, model->estimate);
+    return model;
+}
+
+}  // namespace loam::experiments

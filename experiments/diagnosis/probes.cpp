@@ -1,0 +1,126 @@
+#include "experiments/diagnosis/probes.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "experiments/settings/parameters.hpp"
+#include "experiments/settings/validation.hpp"
+#include "surrogate/kernels/registry.hpp"
+
+namespace loam::experiments {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+constexpr std::uint64_t fingerprints_from = 20'000'000;  // indices of their runs
+constexpr Index fewest_pairs = 2;
+constexpr int leader_rounds = 1;  // of added runs in an effect's own ensemble
+
+/// The prior of the effect's strength, or nullptr where it has none.
+const surrogate::Prior* prior_of_strength(const ModelEffect& effect, const ParameterSpace& space) {
+    if (effect.parameters.empty()) return nullptr;
+    for (Index k = 0; k < space.dimension(); ++k)
+        if (space.info(k).name == effect.parameters.front().name) return &space.prior(k);
+    return nullptr;
+}
+
+double root_mean_square(const surrogate::Prior& prior) {
+    constexpr int points = 200;
+    double sum = 0;
+    for (int k = 0; k < points; ++k)
+        sum += std::pow(prior.from_unit(prior.quantile_unit((k + 0.5) / points)), 2) / points;
+    return std::sqrt(sum);
+}
+
+/// The base model's parameters with the effect's behind them: its strength, and the rest as the space has
+/// them.
+VectorXd with_strength(const VectorXd& base, const ParameterSpace& space, double strength) {
+    VectorXd out = space.values;
+    out.head(base.size()) = base;
+    if (out.size() > base.size()) out[base.size()] = strength;
+    return out;
+}
+
+std::vector<RunSpec> fingerprint_specs(const StudiedModel& base, const ParameterSpace& space,
+                                       double strength) {
+    std::vector<RunSpec> specs;
+    const int wanted = base.settings().diagnosis.fingerprint_packings;
+    for (const RunRecord& run : base.direct) {
+        if (!run.ok || static_cast<int>(specs.size()) >= wanted) continue;
+        RunSpec spec = run.spec;
+        spec.index = fingerprints_from + specs.size();
+        spec.purpose = "fingerprint";
+        spec.parameters = with_strength(run.spec.parameters, space, strength);
+        specs.push_back(std::move(spec));
+    }
+    return specs;
+}
+
+}  // namespace
+
+Settings settings_with(const Settings& base, const ModelEffect& effect) {
+    Settings out = base;
+    add_effect(out, effect);
+    out.runs = std::max(base.diagnosis.runs, fewest_training_runs(static_cast<int>(out.priors.size())));
+    // The base's runs without the effect, or its fit, have settled most of it.
+    out.calibration.max_rounds = std::min(out.calibration.max_rounds, leader_rounds);
+    return out;
+}
+
+std::filesystem::path folder_of(const std::filesystem::path& folder, const ModelEffect& effect) {
+    return folder / "effects" / std::string(effect.name);
+}
+
+Probe probe_effect(const StudiedModel& base, const ModelEffect& effect, const lab_data::Sample& sample,
+                   const std::filesystem::path& folder, RunLog* log) {
+    const std::filesystem::path place = folder_of(folder, effect);
+    std::filesystem::create_directories(place);
+    Campaign campaign(settings_with(base.settings(), effect), sample, place, log);
+    Probe out;
+    out.effect = &effect;
+    out.print.effect = effect.name;
+    if (const surrogate::Prior* prior = prior_of_strength(effect, campaign.space())) {
+        out.print.two_sided = prior->from_unit(0) < 0;
+        out.print.strength = prior->from_unit(prior->quantile_unit(out.print.two_sided ? 0.84 : 0.5));
+        out.usual_strength = root_mean_square(*prior);
+    }
+    const std::vector<RunSpec> specs = fingerprint_specs(base, campaign.space(), out.print.strength);
+    const std::vector<RunRecord> runs = campaign.run(fmt::format("fingerprint of {}", effect.name), specs);
+    out.runs = runs.size();
+    VectorXd sum = VectorXd::Zero(base.linear.residual.size());
+    Index pairs = 0;
+    for (const RunRecord& run : runs) {
+        const auto same = std::ranges::find_if(base.direct, [&](const RunRecord& other) {
+            return other.ok && other.spec.packing_seed == run.spec.packing_seed;
+        });
+        if (!run.ok || same == base.direct.end()) continue;
+        sum += transformed(base, run.outputs) - transformed(base, same->outputs);
+        ++pairs;
+    }
+    if (pairs < fewest_pairs)
+        throw std::runtime_error(fmt::format("{} of {} runs with {} failed: {}",
+                                             runs.size() - static_cast<std::size_t>(pairs), runs.size(),
+                                             effect.name, runs.empty() ? "" : runs.front().reason));
+    out.failed = runs.size() - static_cast<std::size_t>(pairs);
+    out.print.change = sum / static_cast<double>(pairs);
+    return out;
+}
+
+std::vector<RunRecord> runs_without(const StudiedModel& base, const ModelEffect& effect,
+                                    const ParameterSpace& space) {
+    const surrogate::Prior* prior = prior_of_strength(effect, space);
+    const bool same_rotation = !effect.needs_rotation() || base.settings().rotation == "free";
+    if (!prior || !same_rotation || prior->lower > 0 || prior->upper < 0) return {};
+    std::vector<RunRecord> out;
+    for (RunRecord& run : base.campaign.store().records()) {
+        if (!run.ok || run.spec.purpose == "confirmation" || run.spec.purpose == "fingerprint") continue;
+        run.spec.parameters = with_strength(run.spec.parameters, space, 0);
+        out.push_back(std::move(run));
+    }
+    return out;
+}
+
+}  // namespace loam::experiments

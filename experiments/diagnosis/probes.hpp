@@ -1,0 +1,24 @@
+// Direct runs of each effect at the calibrated point, on the packings of the base model's direct runs.
+#pragma once
+
+#include "experiments/diagnosis/search.hpp"
+
+namespace loam::experiments {
+
+/// The settings of the base model with the effect, for an ensemble of its own.
+Settings settings_with(const Settings& base, const ModelEffect& effect);
+
+/// The folder of that ensemble's store.
+std::filesystem::path folder_of(const std::filesystem::path& folder, const ModelEffect& effect);
+
+/// The fingerprint of the effect, at its prior's median strength (the upper 16 % point where the strength may
+/// be negative). Throws std::runtime_error where too many of its runs fail.
+Probe probe_effect(const StudiedModel& base, const ModelEffect& effect, const lab_data::Sample& sample,
+                   const std::filesystem::path& folder, RunLog* log);
+
+/// The base model's training runs as runs of the model with the effect at strength 0; none where the effect
+/// does not hold the base model at a strength of 0 that its prior allows.
+std::vector<RunRecord> runs_without(const StudiedModel& base, const ModelEffect& effect,
+                                    const ParameterSpace& space);
+
+}  // namespace loam::experiments

@@ -1,0 +1,205 @@
+#include "experiments/diagnosis/search.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "experiments/diagnosis/probes.hpp"
+#include "experiments/diagnosis/thresholds.hpp"
+#include "experiments/ensemble/run_seed.hpp"
+#include "experiments/output/storage_error.hpp"
+
+namespace loam::experiments {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr std::uint64_t locate_stream = 21;
+constexpr double at_a_bound = 0.01;  // of the unit cube
+constexpr double one_sided_95 = 1.6449;
+
+/// Degrees of freedom behind the covariance of measured minus simulated. Half of the runs tell of the
+/// packings' noise, the others go into the emulator; and only a share of the variance has been estimated at
+/// all, whose square divides them (Satterthwaite 1946).
+double noise_freedom(const StudiedModel& model) {
+    const VectorXd all = model.linear.noise.diagonal();
+    const VectorXd packing =
+        model.calibration.trained->emulator.noise().covariance(model.estimate).diagonal() *
+        (model.observation.packing_share + 1.0 / static_cast<double>(model.direct.size()));
+    const double share = std::min(1.0, packing.cwiseQuotient(all).mean());
+    return 0.5 * static_cast<double>(model.calibration.trained->runs) / (share * share);
+}
+
+LocateOptions locate_options(const StudiedModel& model) {
+    LocateOptions out;
+    out.false_alarm_rate = model.settings().diagnosis.false_alarm_rate;
+    out.draws = thresholds::null_draws;
+    out.seed = run_seed(model.settings().seed, 0, locate_stream);
+    out.noise_freedom = noise_freedom(model);
+    return out;
+}
+
+/// Standard deviations [d] of the parameters in the unit cube, by the linear model.
+VectorXd parameter_sd(const LinearModel& linear) {
+    const MatrixXd information = linear.jacobian.transpose() * linear.noise.ldlt().solve(linear.jacobian) +
+                                 MatrixXd(linear.prior_sd.cwiseAbs2().cwiseInverse().asDiagonal());
+    return information.inverse().diagonal().cwiseSqrt();
+}
+
+/// Whether no parameter lies at a bound where the base's lay inside, and the strength stays below its
+/// largest.
+bool is_physical(const StudiedModel& base, const StudiedModel& model) {
+    for (Index k = 0; k < model.estimate.size(); ++k) {
+        const double x = model.estimate[k];
+        const bool out = x < at_a_bound || x > 1 - at_a_bound;
+        const bool is_new = k >= base.estimate.size();
+        if (!out) continue;
+        if (is_new ? x > 0.5 : base.estimate[k] > at_a_bound && base.estimate[k] < 1 - at_a_bound)
+            return false;
+    }
+    return true;
+}
+
+bool is_present(const ModelEffect& effect, const StudiedModel& model) {
+    const ParameterSpace& space = model.campaign.space();
+    for (Index k = 0; k < space.dimension() && !effect.parameters.empty(); ++k) {
+        if (space.info(k).name != effect.parameters.front().name) continue;
+        // On a logarithmic scale nothing is 0; its place is that of the least strength.
+        const double none = space.is_logarithmic(k) ? 0.0 : space.prior(k).to_unit(0);
+        const double away = std::abs(model.estimate[k] - none);
+        return away > one_sided_95 * parameter_sd(model.linear)[k];
+    }
+    return true;
+}
+
+double total(const std::vector<HeldOutScore>& scores) {
+    double sum = 0;
+    for (const HeldOutScore& score : scores) sum += score.log_score;
+    return sum;
+}
+
+/// An effect whose runs fail is no reason to give up the others; a full disk or the user's mistake is.
+void or_leave_out(const ModelEffect& effect, Search& search, const std::function<void()>& work) {
+    try {
+        work();
+    } catch (const lab_data::UserError&) {
+        throw;
+    } catch (const StorageError&) {
+        throw;
+    } catch (const std::runtime_error& error) {
+        search.warnings.push_back(fmt::format("{} is left out: {}", effect.name, error.what()));
+    }
+}
+
+void probe_all(Search& search, const StudiedModel& base, const lab_data::Sample& sample,
+               const std::filesystem::path& folder, RunLog* log, const StepReport& report) {
+    const Projection projection(base.linear);
+    const MatrixXd scores = region_scores(projection, search.regions);
+    for (const ModelEffect* effect : candidates_for(base.settings(), base.campaign)) {
+        report(fmt::format("fingerprint of {}", effect->name));
+        or_leave_out(*effect, search, [&] {
+            Probe probe = probe_effect(base, *effect, sample, folder, log);
+            probe.detectable_strength =
+                probe.print.strength * detectable_strength(scores, search.location, probe.print.change);
+            probe.explained = explain(projection, probe.print, probe.usual_strength);
+            search.probes.push_back(std::move(probe));
+        });
+    }
+    std::vector<Fingerprint> prints;
+    for (const Probe& probe : search.probes) prints.push_back(probe.print);
+    search.table = compare_fingerprints(projection, prints, thresholds::same_group_cosine);
+}
+
+/// Places of the probes that lead, best first.
+std::vector<std::size_t> leading(const Search& search, int most) {
+    std::vector<std::size_t> out;
+    for (std::size_t k = 0; k < search.probes.size(); ++k)
+        if (search.probes[k].explained.chi_squared >= thresholds::least_explained &&
+            search.table.size[static_cast<Index>(k)] >= thresholds::least_visible)
+            out.push_back(k);
+    std::ranges::stable_sort(out, std::greater{},
+                             [&](std::size_t k) { return search.probes[k].explained.chi_squared; });
+    out.resize(std::min(out.size(), static_cast<std::size_t>(most)));
+    return out;
+}
+
+Leader lead(const Search& search, std::size_t at, StudiedModel& base, const lab_data::Sample& sample,
+            const std::filesystem::path& folder, RunLog* log) {
+    const ModelEffect& effect = *search.probes[at].effect;
+    const Settings settings = settings_with(base.settings(), effect);
+    Leader out{&effect, {}, {}, {}, {}};
+    out.model = study_model(settings, sample, folder_of(folder, effect), log,
+                            runs_without(base, effect, parameter_space(settings)));
+    const Projection projection(out.model->linear);
+    out.location = locate(projection, regions_of(*out.model), locate_options(*out.model));
+    if (!search.held_out.empty())
+        out.held_out =
+            predict_held_out(out.model->fitted, tests_to_hold_out(*out.model), out.model->estimate);
+    Finalist& f = out.finalist;
+    f.effect = effect.name;
+    f.group = search.table.group[at];
+    f.is_mundane = effect.is_mundane();
+    f.log_evidence = projection.log_evidence() - Projection(base.linear).log_evidence();
+    f.held_out_gain = total(out.held_out) - total(search.held_out);
+    f.fit_p = out.location.p_value;
+    f.is_physical = is_physical(base, *out.model);
+    f.is_present = is_present(effect, *out.model);
+    return out;
+}
+
+}  // namespace
+
+const Leader* Search::leader(std::string_view effect) const {
+    const auto at = std::ranges::find_if(leaders, [&](const Leader& l) { return l.effect->name == effect; });
+    return at == leaders.end() ? nullptr : &*at;
+}
+
+std::vector<const ModelEffect*> candidates_for(const Settings& settings, const Campaign& campaign) {
+    const auto contains = [](const std::vector<std::string>& names, std::string_view name) {
+        return std::ranges::find(names, name) != names.end();
+    };
+    std::vector<const ModelEffect*> out;
+    for (const ModelEffect& effect : model_effects()) {
+        const bool wanted =
+            settings.diagnosis.candidates.empty() || contains(settings.diagnosis.candidates, effect.name);
+        const bool is_in = contains(settings.effects, effect.name) ||
+                           (effect.origin == EffectOrigin::rotation && settings.rotation == "free");
+        const bool shows = std::ranges::any_of(campaign.tests(), [&](const CampaignTest& test) {
+            return !test.held_out && (!effect.touches || effect.touches(test.test->kind));
+        });
+        const bool possible =
+            effect.goes_with(settings.law) &&
+            !(effect.needs_fragile() && settings.law == "linear-cohesive" && !settings.engine.fragile);
+        if (wanted && possible && !is_in && shows) out.push_back(&effect);
+    }
+    return out;
+}
+
+Search search_for_effect(StudiedModel& base, const lab_data::Sample& sample,
+                         const std::filesystem::path& folder, RunLog* log, const StepReport& report) {
+    Search out;
+    out.regions = regions_of(base);
+    out.location = locate(Projection(base.linear), out.regions, locate_options(base));
+    report(fmt::format("where the model fails: p = {:.2g}, largest |z| {:.1f} (threshold {:.1f})",
+                       out.location.p_value, out.location.z.cwiseAbs().maxCoeff(), out.location.threshold));
+    const std::vector<HeldOutGroup> groups = tests_to_hold_out(base);
+    const bool can_hold_out = groups.size() > 1;
+    if (can_hold_out) out.held_out = predict_held_out(base.fitted, groups, base.estimate);
+    probe_all(out, base, sample, folder, log, report);
+    if (out.location.alarm)
+        for (const std::size_t k : leading(out, base.settings().diagnosis.leaders)) {
+            report(fmt::format("ensemble with {}", out.probes[k].effect->name));
+            or_leave_out(*out.probes[k].effect, out,
+                         [&] { out.leaders.push_back(lead(out, k, base, sample, folder, log)); });
+        }
+    std::vector<Finalist> finalists;
+    for (const Leader& leader : out.leaders) finalists.push_back(leader.finalist);
+    out.verdict = decide(out.location.alarm, can_hold_out, finalists);
+    out.probabilities = probabilities(finalists);
+    return out;
+}
+
+}  // namespace loam::experiments
