@@ -144,6 +144,7 @@ Leader lead(const Search& search, std::size_t at, StudiedModel& base, const lab_
     f.is_mundane = effect.is_mundane();
     f.log_evidence = projection.log_evidence() - Projection(base.linear).log_evidence();
     f.held_out_gain = total(out.held_out) - total(search.held_out);
+    f.gap_shrinks = out.held_out.empty() || gap(out.held_out) < gap(search.held_out);
     f.fit_p = out.location.p_value;
     f.is_physical = is_physical(base, *out.model);
     f.is_present = is_present(effect, *out.model);

@@ -11,8 +11,8 @@ namespace loam::experiments {
 namespace {
 
 bool is_viable(const Finalist& f) {
-    return f.fit_p > thresholds::fit_p && f.held_out_gain >= thresholds::gain_over_base && f.is_physical &&
-           f.is_present;
+    return f.fit_p > thresholds::fit_p && f.held_out_gain >= thresholds::gain_over_base && f.gap_shrinks &&
+           f.is_physical && f.is_present;
 }
 
 double margin(const Finalist& rival, const Finalist& best) {

@@ -32,6 +32,12 @@ TEST(DiagnosisVerdict, NamesTheOneThatFitsAndPredicts) {
     EXPECT_EQ(v.effects, Names{"rotation"});
 }
 
+TEST(DiagnosisVerdict, AScoreWithoutAShrinkingGapNamesNothing) {
+    Finalist wider = finalist("rotation", 1, 50);
+    wider.gap_shrinks = false;
+    EXPECT_EQ(decide(true, true, {wider}).kind, VerdictKind::outside_library);
+}
+
 TEST(DiagnosisVerdict, EffectsOfOneGroupAreNamedTogether) {
     Finalist simple = finalist("rotation", 1, 49);
     simple.log_evidence = 60;
