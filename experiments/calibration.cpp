@@ -117,8 +117,7 @@ CalibrationRound compare(const Calibration& c, const TrainedEmulator& trained,
     round.emulator_share = c.fit.emulator_share;
     round.text = fmt::format(
         "{} runs: direct runs differ from the emulator by {:.2f} of what is tolerable, {:.2f} in units of "
-        "their "
-        "noise (limit {:.2f}); the emulator makes {:.0f} % of the residuals' variance",
+        "their noise (limit {:.2f}); the emulator makes {:.0f} % of the residuals' variance",
         round.runs, round.difference, round.disagreement, round.limit, 100 * round.emulator_share);
     return round;
 }

@@ -135,10 +135,6 @@ void refine(const Likelihood& likelihood, VectorXd& theta, double& value, optimi
     }
 }
 
-}  // namespace
-
-namespace {
-
 Feasibility feasibility_of(const std::vector<RunRecord>& runs, const ParameterSpace& space) {
     MatrixXd x(static_cast<Index>(runs.size()), space.dimension());
     std::vector<bool> success;

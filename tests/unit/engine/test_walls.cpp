@@ -205,12 +205,12 @@ TEST(BoxedPacking, TheSameRunGivesTheSameBits) {
         const BoxWalls walls = add_box(simulation, made.box, 0.3);
         simulation.advance(1);
         const WallServo servo(walls[5], 5000, made.box.area(2));
-        for (int k = 0; k < 100; ++k) {
+        for (int k = 0; k < 600; ++k) {  // stiffer than the packing was made with, it settles anew
             servo.steer(simulation);
             simulation.advance(10);
         }
         f = simulation.walls().force(walls[5]);
-        EXPECT_GT(f.norm(), 0);
+        EXPECT_NEAR(servo.pressure(simulation), 5000, 250);
     }
     EXPECT_EQ(force[0], force[1]);
 }
