@@ -9,6 +9,7 @@
 
 #include "experiments/ensemble/run_seed.hpp"
 #include "experiments/likelihood_terms.hpp"
+#include "experiments/residual_factor.hpp"
 #include "experiments/settings/validation.hpp"
 #include "optimizers/least_squares.hpp"
 #include "optimizers/registry.hpp"
@@ -20,6 +21,7 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+using surrogate::CurveNoise;
 
 constexpr double identified_below = 0.75;  // posterior over prior width
 
@@ -31,8 +33,15 @@ class Likelihood {
           observation_(observation),
           readings_(observation, trained.transforms) {
         const Index m = observation.measured.size();
+        loadings_ = trained.emulator.loadings();
         target_.resize(m);
-        for (Index k = 0; k < m; ++k) target_[k] = transform(k).forward(observation.measured[k]);
+        large_specimen_ =
+            0.5 * (1 - std::min(1.0, observation.packing_share)) * trained.emulator.noise().centre.diagonal();
+        for (Index k = 0; k < m; ++k) {
+            const OutputTransform& transform = trained.transforms[static_cast<std::size_t>(k)];
+            target_[k] = transform.forward(observation.measured[k]);
+            if (transform.linear) large_specimen_[k] = 0;
+        }
     }
 
     Index parameters() const { return space_.dimension(); }
@@ -47,26 +56,27 @@ class Likelihood {
         return out;
     }
 
-    MatrixXd covariance(const VectorXd& theta, double* emulator_variance = nullptr,
-                        VectorXd* mean = nullptr) const {
-        const surrogate::CurvePrediction at = trained_.emulator.predict(theta.head(parameters()));
-        if (emulator_variance) *emulator_variance = at.emulator_covariance.trace();
-        if (mean) *mean = at.mean + large_specimen(at.noise_covariance);
+    /// [m x m] with what the emulator leaves open, at theta or as given by component.
+    MatrixXd covariance(const VectorXd& theta, const VectorXd& open) const {
+        const CurveNoise& noise = trained_.emulator.noise();
         MatrixXd c =
-            at.emulator_covariance + observation_.packing_share * readings_.of_specimens(at.noise_covariance);
+            loadings_ * open.asDiagonal() * loadings_.transpose() +
+            observation_.packing_share * readings_.of_specimens(noise.covariance(theta.head(parameters())));
         readings_.add(misfits_at(theta), c);
         return c;
     }
 
+    /// Variance of each component [q] that the emulator leaves open at theta.
+    VectorXd open_at(const VectorXd& theta) const {
+        return trained_.emulator.predict_components(theta.head(parameters())).variance;
+    }
+
+    double emulator_variance(const VectorXd& open) const { return (loadings_.cwiseAbs2() * open).sum(); }
+
     /// The emulator gives the mean of T over packings. A specimen of more grains averages the curve itself
     /// over as many packings, whose T is larger by half the variance that has been averaged out (lognormal
     /// scatter; a linear T stays).
-    VectorXd large_specimen(const MatrixXd& packing_noise) const {
-        VectorXd out = 0.5 * (1 - std::min(1.0, observation_.packing_share)) * packing_noise.diagonal();
-        for (Index k = 0; k < out.size(); ++k)
-            if (transform(k).linear) out[k] = 0;
-        return out;
-    }
+    VectorXd large_specimen(double noise_scale) const { return noise_scale * large_specimen_; }
 
     double log_prior(const VectorXd& theta) const {
         double sum = 0;
@@ -77,13 +87,15 @@ class Likelihood {
     }
 
     double log_posterior(const VectorXd& theta) const {
-        VectorXd mean;
-        const Eigen::LLT<MatrixXd> factor(covariance(theta, nullptr, &mean));
-        if (factor.info() != Eigen::Success) return -INFINITY;
-        const VectorXd white = factor.matrixL().solve(target_ - mean);
-        const double log_det = 2 * factor.matrixL().toDenseMatrix().diagonal().array().log().sum();
-        return -0.5 * (white.squaredNorm() + log_det) + log_prior(theta) +
-               trained_.feasibility.log_success(theta.head(parameters()));
+        const auto at = trained_.emulator.predict_components(theta.head(parameters()));
+        return log_posterior(theta, at.mean, at.variance);
+    }
+
+    /// As if the emulator left `open` [q] at every theta: what is likely where it knows as much everywhere. A
+    /// search by it is not drawn to where the emulator knows nothing and so excludes nothing.
+    double log_representative(const VectorXd& theta, const VectorXd& open) const {
+        return log_posterior(theta, trained_.emulator.predict_component_means(theta.head(parameters())),
+                             open);
     }
 
     /// Residuals whitened by a covariance, with the priors of the parameters as further residuals.
@@ -92,7 +104,7 @@ class Likelihood {
         const Index m = target_.size(), d = parameters();
         MatrixXd slope;
         const VectorXd mean = trained_.emulator.predict_mean(x, jacobian ? &slope : nullptr) +
-                              large_specimen(trained_.emulator.noise().covariance(x));
+                              large_specimen(trained_.emulator.noise().scale(x));
         out.resize(m + d);
         out.head(m) = factor.matrixL().solve(target_ - mean);
         if (jacobian) {
@@ -103,22 +115,38 @@ class Likelihood {
     }
 
   private:
-    const OutputTransform& transform(Index k) const {
-        return trained_.transforms[static_cast<std::size_t>(k)];
+    double log_posterior(const VectorXd& theta, const VectorXd& components, const VectorXd& open) const {
+        const CurveNoise& noise = trained_.emulator.noise();
+        const double scale = noise.scale(theta.head(parameters()));
+        const VectorXd residuals =
+            target_ - trained_.emulator.offset() - loadings_ * components - large_specimen(scale);
+        const VectorXd misfits = misfits_at(theta);
+        ResidualFactor factor(loadings_, open, residuals);
+        for (const Stretch& at : readings_.specimens()) {
+            MatrixXd block = observation_.packing_share * scale *
+                             noise.centre.block(at.first, at.first, at.count, at.count);
+            readings_.add(misfits, block, at.first);
+            if (!factor.add(at, block)) return -INFINITY;
+        }
+        const std::optional<double> density = factor.log_density();
+        if (!density) return -INFINITY;
+        return *density + log_prior(theta) + trained_.feasibility.log_success(theta.head(parameters()));
     }
 
     const TrainedEmulator& trained_;
     const ParameterSpace& space_;
     const Observation& observation_;
     ReadingNoise readings_;
-    VectorXd target_;
+    MatrixXd loadings_;                 // [m x q]
+    VectorXd target_, large_specimen_;  // [m] at noise of scale 1
 };
 
 /// Refines the estimate by least squares with the covariance held at it; keeps whichever is more probable.
-void refine(const Likelihood& likelihood, VectorXd& theta, double& value, optimizers::Summary& summary) {
+void refine(const Likelihood& likelihood, const VectorXd& open, VectorXd& theta, double& value,
+            optimizers::Summary& summary) {
     const Index d = likelihood.parameters();
     for (int pass = 0; pass < 3; ++pass) {
-        const Eigen::LLT<MatrixXd> factor(likelihood.covariance(theta));
+        const Eigen::LLT<MatrixXd> factor(likelihood.covariance(theta, open));
         if (factor.info() != Eigen::Success) return;
         const auto residuals = [&](const VectorXd& x, VectorXd& r, MatrixXd* jacobian) {
             likelihood.residuals(x, factor, r, jacobian);
@@ -128,11 +156,19 @@ void refine(const Likelihood& likelihood, VectorXd& theta, double& value, optimi
         summary = found.minimum.summary;
         VectorXd candidate = theta;
         candidate.head(d) = found.minimum.x;
-        const double better = likelihood.log_posterior(candidate);
+        const double better = likelihood.log_representative(candidate, open);
         if (!(better > value)) return;
         theta = candidate;
         value = better;
     }
+}
+
+/// Some of the posterior's draws [k x n], evenly over the chains.
+MatrixXd looks_at(const optimizers::Posterior& posterior) {
+    const Index draws = posterior.draws.rows(), looks = std::min<Index>(draws, 200);
+    MatrixXd out(looks, posterior.draws.cols());
+    for (Index k = 0; k < looks; ++k) out.row(k) = posterior.draws.row(k * draws / looks);
+    return out;
 }
 
 Feasibility feasibility_of(const std::vector<RunRecord>& runs, const ParameterSpace& space) {
@@ -179,23 +215,15 @@ Fit fit(const TrainedEmulator& trained, const ParameterSpace& space, const Obser
     const Likelihood likelihood(trained, space, observation);
     const Index n = likelihood.dimension(), d = likelihood.parameters();
     const optimizers::Bounds box = optimizers::unit_cube(n);
-    optimizers::Options options;
+    optimizers::Options options;  // of the search
     options.seed = run_seed(settings.seed, 0, 12);
     options.max_evaluations = 6000;
     options.relative_tolerance = 1e-6;
-    const auto negative = [&](const VectorXd& theta, VectorXd*) { return -likelihood.log_posterior(theta); };
     VectorXd start(n);
     for (Index k = 0; k < d; ++k) start[k] = space.prior(k).quantile_unit(0.5);
     for (Index k = d; k < n; ++k) start[k] = likelihood.misfit_prior_of(k - d).quantile_unit(0.5);
 
     Fit out;
-    const optimizers::Minimum global =
-        optimizers::minimise(settings.calibration.global_optimizer, negative, box, start, options);
-    out.global = global.summary;
-    VectorXd theta = global.x;
-    double value = -global.value;
-    refine(likelihood, theta, value, out.local);
-
     optimizers::PosteriorOptions sampling;
     sampling.seed = run_seed(settings.seed, 0, 13);
     sampling.max_draws = settings.calibration.posterior_draws;
@@ -203,25 +231,40 @@ Fit fit(const TrainedEmulator& trained, const ParameterSpace& space, const Obser
     sampling.max_evaluations = 300000;
     out.posterior = optimizers::sample_posterior(
         [&](const VectorXd& t, VectorXd*) { return likelihood.log_posterior(t); }, box, sampling);
+
+    const MatrixXd looks = looks_at(out.posterior);
+    MatrixXd opens(looks.rows(), trained.emulator.components());
+    for (Index k = 0; k < looks.rows(); ++k) {
+        opens.row(k) = likelihood.open_at(looks.row(k).transpose()).transpose();
+        const double emulator = likelihood.emulator_variance(opens.row(k).transpose());
+        const double all = likelihood.covariance(looks.row(k).transpose(), opens.row(k).transpose()).trace();
+        out.emulator_share += emulator / all / static_cast<double>(looks.rows());
+    }
+    const VectorXd open =
+        opens.colwise().mean().transpose().cwiseMin(trained.emulator.typical_variance());
+
+    const auto negative = [&](const VectorXd& theta, VectorXd*) {
+        return -likelihood.log_representative(theta, open);
+    };
+    const optimizers::Minimum global =
+        optimizers::minimise(settings.calibration.global_optimizer, negative, box, start, options);
+    out.global = global.summary;
+    VectorXd theta = global.x;
+    double value = -global.value;
+    refine(likelihood, open, theta, value, out.local);
     // The chains may have met a better point than the search did.
-    Index best = 0;
-    if (out.posterior.log_density.maxCoeff(&best) > value) {
-        theta = out.posterior.draws.row(best).transpose();
-        value = out.posterior.log_density[best];
-        refine(likelihood, theta, value, out.local);
+    for (Index k = 0; k < looks.rows(); ++k) {
+        VectorXd other = looks.row(k).transpose();
+        double there = likelihood.log_representative(other, open);
+        if (there <= value) continue;
+        refine(likelihood, open, other, there, out.local);
+        theta = other;
+        value = there;
     }
     out.estimate = theta.head(d);
     out.misfits = likelihood.misfits_at(theta);
-    out.log_posterior = value;
-    out.covariance = likelihood.covariance(theta);
-    // Where the posterior has two hills, the estimate stands on one of them only.
-    const Index draws = out.posterior.draws.rows(), looks = std::min<Index>(draws, 200);
-    for (Index k = 0; k < looks; ++k) {
-        double emulator = 0;
-        const VectorXd draw = out.posterior.draws.row(k * draws / looks).transpose();
-        const double all = likelihood.covariance(draw, &emulator).trace();
-        out.emulator_share += emulator / all / static_cast<double>(looks);
-    }
+    out.log_posterior = likelihood.log_posterior(theta);
+    out.covariance = likelihood.covariance(theta, likelihood.open_at(theta));
     return out;
 }
 

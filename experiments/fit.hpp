@@ -38,7 +38,7 @@ TrainedEmulator train_emulator(const std::vector<RunRecord>& runs, const Paramet
                                const std::vector<OutputTransform>& transforms, const Settings& settings);
 
 struct Fit {
-    Eigen::VectorXd estimate;  // [d] most probable coordinates in the unit cube
+    Eigen::VectorXd estimate;  // [d] most probable coordinates in the unit cube, were the emulator equally sure everywhere
     Eigen::VectorXd misfits;   // sd of what the model cannot follow, at the estimate, in the curves' units
     double log_posterior = 0;  // at the estimate, up to a constant
     optimizers::Posterior posterior;    // draws [n x d+misfits]: coordinates, misfits'

@@ -35,9 +35,11 @@ ReadingNoise::ReadingNoise(const Observation& observation, const std::vector<Out
     const Index m = observation.measured.size();
     slope_.resize(m);
     measurement_.resize(m);
-    bool several = false;
+    int test = -1;
     for (const ObservedCurve& curve : curves_) {
-        several = several || curve.test != curves_.front().test;
+        if (specimens_.empty() || curve.test != test) specimens_.push_back({curve.first, 0});
+        test = curve.test;
+        specimens_.back().count += curve.count;
         correlations_.push_back(correlation(curve));
         for (Index k = curve.first; k < curve.first + curve.count; ++k) {
             const double y = observation.measured[k];
@@ -48,33 +50,32 @@ ReadingNoise::ReadingNoise(const Observation& observation, const std::vector<Out
             measurement_[k] = sd * sd;
         }
     }
-    if (!several) return;
-    same_specimen_ = MatrixXd::Zero(m, m);
-    for (const ObservedCurve& a : curves_)
-        for (const ObservedCurve& b : curves_)
-            if (a.test == b.test) same_specimen_.block(a.first, b.first, a.count, b.count).setOnes();
 }
 
-void ReadingNoise::add(const VectorXd& misfits, MatrixXd& c) const {
+void ReadingNoise::add(const VectorXd& misfits, MatrixXd& c, Index first) const {
     for (std::size_t at = 0; at < curves_.size(); ++at) {
         const ObservedCurve& curve = curves_[at];
+        if (curve.first < first || curve.first >= first + c.rows()) continue;
+        const Index from = curve.first - first;
         const double sd = curve.unit * misfits[curve.misfit];
         const bool independent = correlations_[at].size() == 0;
         for (Index k = curve.first; k < curve.first + curve.count; ++k)
-            c(k, k) += (measurement_[k] + (independent ? sd * sd : 0)) * slope_[k] * slope_[k];
+            c(k - first, k - first) +=
+                (measurement_[k] + (independent ? sd * sd : 0)) * slope_[k] * slope_[k];
         if (independent) continue;
         const VectorXd scaled = sd * slope_.segment(curve.first, curve.count);
-        c.block(curve.first, curve.first, curve.count, curve.count) +=
+        c.block(from, from, curve.count, curve.count) +=
             scaled.asDiagonal() * correlations_[at] * scaled.asDiagonal();
     }
 }
 
 MatrixXd ReadingNoise::of_specimens(const MatrixXd& packing_noise) const {
-    if (same_specimen_.size() == 0) return packing_noise;
-    return packing_noise.cwiseProduct(same_specimen_);
+    if (specimens_.size() == 1) return packing_noise;
+    MatrixXd out = MatrixXd::Zero(packing_noise.rows(), packing_noise.cols());
+    for (const auto [first, count] : specimens_)
+        out.block(first, first, count, count) = packing_noise.block(first, first, count, count);
+    return out;
 }
-
-const surrogate::Prior misfit_prior{surrogate::PriorKind::lognormal, -3.5, 0.5, 2e-5, 0.05};
 
 VectorXd reading_variance(const Observation& observation, const OutputTransform& transform, double misfit) {
     VectorXd out(observation.measured.size());

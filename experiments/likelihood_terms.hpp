@@ -5,12 +5,9 @@
 #include <Eigen/Core>
 
 #include "experiments/fit.hpp"
+#include "experiments/residual_factor.hpp"
 
 namespace loam::experiments {
-
-/// What the model cannot follow, as a standard deviation of every reading (strain): a few 1e-4 where it
-/// follows well, up to several percent where it does not.
-extern const surrogate::Prior misfit_prior;
 
 /// What measurement and misfit add to the covariance of an observation's residuals, and what packing noise
 /// its specimens share; all on the transformed scale.
@@ -20,8 +17,11 @@ class ReadingNoise {
     ReadingNoise(const Observation& observation, const std::vector<OutputTransform>& transforms);
 
     const std::vector<surrogate::Prior>& misfit_priors() const { return misfit_priors_; }
-    /// Adds measurement and misfit, whose sd's [misfits] are in the unit of their curves, to c [m x m].
-    void add(const Eigen::VectorXd& misfits, Eigen::MatrixXd& c) const;
+    /// Adds measurement and misfit, whose sd's [misfits] are in the unit of their curves, to the block
+    /// c [n x n] of the covariance that begins at reading `first` and cuts no curve; to all of it by default.
+    void add(const Eigen::VectorXd& misfits, Eigen::MatrixXd& c, Eigen::Index first = 0) const;
+    /// The readings of each specimen, whose noises of packing are independent of each other.
+    const std::vector<Stretch>& specimens() const { return specimens_; }
     /// The packing noise of one run [m x m] without what different specimens have in common there.
     Eigen::MatrixXd of_specimens(const Eigen::MatrixXd& packing_noise) const;
 
@@ -30,7 +30,7 @@ class ReadingNoise {
     std::vector<surrogate::Prior> misfit_priors_;
     std::vector<Eigen::MatrixXd> correlations_;  // of the misfit along each curve; empty: independent
     Eigen::VectorXd slope_, measurement_;        // [m] dT/dy; variance of a reading (SI)
-    Eigen::MatrixXd same_specimen_;              // [m x m] 1 or 0; empty where there is one specimen
+    std::vector<Stretch> specimens_;
 };
 
 /// Variance [m] of each reading about the model's curve, on the transformed scale, from measurement and

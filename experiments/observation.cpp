@@ -172,7 +172,11 @@ std::vector<ObservedCurve> curves_of(const Observation& observation) {
 
 std::vector<surrogate::Prior> misfit_priors_of(const Observation& observation) {
     if (!observation.misfit_priors.empty()) return observation.misfit_priors;
-    return {model_of(lab_data::TestKind::oedometer, "axial_strain").misfit};
+    return {strain_misfit_prior()};
+}
+
+const surrogate::Prior& strain_misfit_prior() {
+    return model_of(lab_data::TestKind::oedometer, "axial_strain").misfit;
 }
 
 std::vector<OutputTransform> transforms_of(const Observation& observation) {

@@ -51,6 +51,8 @@ struct Observation {
 /// The curves and the misfits' priors, with the defaults in place of nothing.
 std::vector<ObservedCurve> curves_of(const Observation& observation);
 std::vector<surrogate::Prior> misfit_priors_of(const Observation& observation);
+/// Of the misfit of a curve of strain.
+const surrogate::Prior& strain_misfit_prior();
 
 /// Of strain: the largest of 1e-3, 4e-3, 1.6e-2 … that is not above a quarter of the largest measured value:
 /// few different scales, so that samples of one data set can share emulators. Soils differ by a factor of a

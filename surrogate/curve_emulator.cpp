@@ -21,6 +21,7 @@ using Eigen::VectorXd;
 namespace {
 
 constexpr Index first_look_inputs = 300;  // a first estimate of the noise needs no more
+constexpr Index learning_inputs = 500;    // nor do hyper-parameters, which cost the cube of their number
 constexpr double metric_ridge =
     0.01;  // part of the outputs' own noise variance added to the whitening metric
 constexpr double relative_floor = 1e-10;  // numerical noise of a component over its variance
@@ -57,19 +58,39 @@ Data bounded(const Data& data, Index most) {
     return {inputs, data.outputs(rows, Eigen::all), find_replicates(inputs)};
 }
 
+// All runs at inputs spread evenly over the order in which they came.
+std::vector<Index> learning_rows(const ReplicateGroups& groups) {
+    std::vector<Index> rows;
+    const Index g = groups.size(), kept = std::min(g, learning_inputs);
+    for (Index i = 0; i < groups.rows(); ++i) {
+        const Index group = groups.group[static_cast<std::size_t>(i)];
+        if (group * kept / g != (group + 1) * kept / g) rows.push_back(i);
+    }
+    return rows;
+}
+
 // One process for each of the first `count` columns of the scores; adds to `evaluations`.
 std::vector<GaussianProcess> fit_components(const Data& data, const MatrixXd& scores, Index count,
                                             const GaussianProcessOptions& options, int threads,
                                             int& evaluations) {
     std::vector<std::optional<GaussianProcess>> fits(static_cast<std::size_t>(count));
     std::vector<std::exception_ptr> errors(fits.size());
+    std::vector<int> spent(fits.size(), 0);
+    const bool all = data.groups.size() <= learning_inputs;
+    const std::vector<Index> rows = learning_rows(data.groups);
+    const MatrixXd learning = data.inputs(rows, Eigen::all);
 #pragma omp parallel for schedule(dynamic, 1) num_threads(threads > 0 ? threads : omp_get_max_threads())
     for (Index j = 0; j < count; ++j) {
         const auto which = static_cast<std::size_t>(j);
         try {
             GaussianProcessOptions own = options;
             own.seed = optimizers::hash(options.seed + which);
-            fits[which] = GaussianProcess::fit(data.inputs, scores.col(j), own);
+            const GaussianProcess learnt =
+                GaussianProcess::fit(learning, scores(rows, Eigen::all).col(j), own);
+            spent[which] = learnt.summary().evaluations;
+            fits[which] =
+                all ? learnt
+                    : GaussianProcess::condition(data.inputs, scores.col(j), learnt.hyperparameters(), own);
         } catch (...) {
             errors[which] = std::current_exception();
         }
@@ -78,7 +99,7 @@ std::vector<GaussianProcess> fit_components(const Data& data, const MatrixXd& sc
     for (std::size_t j = 0; j < fits.size(); ++j) {
         if (errors[j]) std::rethrow_exception(errors[j]);
         processes.push_back(std::move(*fits[j]));
-        evaluations += processes.back().summary().evaluations;
+        evaluations += spent[j];
     }
     return processes;
 }
@@ -201,6 +222,13 @@ ComponentPrediction CurveEmulator::predict_components(const Eigen::Ref<const Vec
     return prediction;
 }
 
+VectorXd CurveEmulator::predict_component_means(const Eigen::Ref<const VectorXd>& x) const {
+    VectorXd scores(components());
+    for (Index j = 0; j < components(); ++j)
+        scores(j) = processes_[static_cast<std::size_t>(j)].predict_mean(x);
+    return scores;
+}
+
 void CurveEmulator::predict_components(const MatrixXd& points, MatrixXd& mean, MatrixXd& variance) const {
     mean.resize(points.rows(), components());
     variance.resize(points.rows(), components());
@@ -224,6 +252,13 @@ VectorXd CurveEmulator::predict_mean(const Eigen::Ref<const VectorXd>& x, Matrix
     }
     if (jacobian) *jacobian = loadings() * gradients;
     return offset() + loadings() * scores;
+}
+
+VectorXd CurveEmulator::typical_variance() const {
+    VectorXd out(components());
+    for (Index j = 0; j < components(); ++j)
+        out(j) = processes_[static_cast<std::size_t>(j)].leave_one_out().variance.mean();
+    return out;
 }
 
 CurveLeaveOneOut CurveEmulator::leave_one_out() const {

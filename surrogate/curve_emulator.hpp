@@ -79,6 +79,8 @@ class CurveEmulator {
     /// Mean [m] at x [d], and its jacobian [m x d] if jacobian != nullptr.
     Eigen::VectorXd predict_mean(const Eigen::Ref<const Eigen::VectorXd>& x,
                                  Eigen::MatrixXd* jacobian = nullptr) const;
+    /// Means [q] of the components at x [d].
+    Eigen::VectorXd predict_component_means(const Eigen::Ref<const Eigen::VectorXd>& x) const;
     /// Prediction at x [d] in the space of components.
     ComponentPrediction predict_components(const Eigen::Ref<const Eigen::VectorXd>& x,
                                            bool gradients = false) const;
@@ -95,6 +97,9 @@ class CurveEmulator {
     const CurveEmulatorSummary& summary() const { return summary_; }
 
     CurveLeaveOneOut leave_one_out() const;
+    /// Variance of each component [q] at an input, were it not among the runs: mean over the runs' inputs.
+    /// What the emulator leaves open where it was trained, between its runs.
+    Eigen::VectorXd typical_variance() const;
 
   private:
     ReplicateGroups groups_;

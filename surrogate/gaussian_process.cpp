@@ -14,6 +14,8 @@ using Eigen::VectorXd;
 
 namespace {
 
+constexpr Index prediction_block = 256;  // points predicted at once: their covariances stay in the cache
+
 [[noreturn]] void mismatch(const char* name, Index size, Index expected) {
     throw std::invalid_argument("Gaussian process: " + std::string(name) + " has " + std::to_string(size) +
                                 " entries, but there should be " + std::to_string(expected));
@@ -136,13 +138,19 @@ GaussianProcessPrediction GaussianProcess::predict(const Eigen::Ref<const Vector
 
 void GaussianProcess::predict_many(const MatrixXd& points, Eigen::Ref<VectorXd> mean,
                                    Eigen::Ref<VectorXd> variance) const {
-    MatrixXd k(covariance_->size(), points.rows());
-    for (Index p = 0; p < points.rows(); ++p) k.col(p) = covariance_->vector(points.row(p).transpose());
-    mean = (k.transpose() * system_.alpha).array() + (centre_ + system_.mean);
-    const VectorXd explained = lower_products(system_.inverse_factor, k).colwise().squaredNorm().transpose();
-    const VectorXd open = (1 - (k.transpose() * system_.ones).array()).matrix();
-    variance = (covariance_->variance() - explained.array() + open.array().square() / system_.mean_precision)
-                   .max(0.0);
+    MatrixXd k;
+    for (Index first = 0; first < points.rows(); first += prediction_block) {
+        const Index count = std::min(prediction_block, points.rows() - first);
+        k.resize(covariance_->size(), count);
+        for (Index p = 0; p < count; ++p) k.col(p) = covariance_->vector(points.row(first + p).transpose());
+        mean.segment(first, count) = (k.transpose() * system_.alpha).array() + (centre_ + system_.mean);
+        const VectorXd explained =
+            lower_products(system_.inverse_factor, k).colwise().squaredNorm().transpose();
+        const VectorXd open = (1 - (k.transpose() * system_.ones).array()).matrix();
+        variance.segment(first, count) =
+            (covariance_->variance() - explained.array() + open.array().square() / system_.mean_precision)
+                .max(0.0);
+    }
 }
 
 double GaussianProcess::predict_mean(const Eigen::Ref<const VectorXd>& x, VectorXd* gradient) const {

@@ -154,6 +154,7 @@ json bulk_document(const json& result, const BulkStudy& study, const GroupStatis
     out["bulk"] = {{"overall", result["overall"]},
                    {"method", settings.method},
                    {"parts", result["parts"]},
+                   {"methods", result.value("methods", json())},
                    {"emulators", study.emulators},
                    {"samples", samples_document(result, study)},
                    {"coverage", coverage_document(study, ensemble.stages())},

@@ -76,7 +76,17 @@ void add_study(json& result, const BulkStudy& study, const lab_data::DataSet& se
                          {"readings", e.readings},
                          {"calibrated", calibrated},
                          {"not_followed", not_followed},
+                         {"mended", study.mended},
                          {"failed", study.samples.size() - calibrated}};
+    if (study.comparison) {
+        const auto errors = [](const PooledError& p) {
+            return json{{"rmse", p.rmse}, {"me", p.mean_error}, {"pearson_r", p.pearson_r}};
+        };
+        result["methods"] = {{"samples", study.comparison->samples},
+                             {"curves", "the emulators' at the estimates of each method"},
+                             {"emulator", errors(study.comparison->emulator)},
+                             {"inverse-kriging", errors(study.comparison->inverse_kriging)}};
+    }
     for (const Part& part : study.parts) result["parts"][part.name] = part.seconds;
 }
 

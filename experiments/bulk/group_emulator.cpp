@@ -79,12 +79,14 @@ void make_library(const SharedEnsemble& ensemble, const Settings& settings, Grou
     const MatrixXd x = ensemble.space().from_probabilities(u.leftCols(d));
     group.library.resize(d + 1, library_points);
     group.library.topRows(d) = x.transpose();
-    for (Index k = 0; k < library_points; ++k) group.library(d, k) = misfit_prior.quantile_unit(u(k, d));
+    for (Index k = 0; k < library_points; ++k)
+        group.library(d, k) = strain_misfit_prior().quantile_unit(u(k, d));
     group.library_void_ratio = u.col(d + 1);
     MatrixXd inputs(library_points, n);
     inputs.leftCols(d) = x;
     if (n > d) inputs.col(d) = group.library_void_ratio;
     group.emulator.predict_components(inputs, group.library_mean, group.library_variance);
+    group.typical_variance = group.emulator.typical_variance();
 }
 
 }  // namespace
@@ -142,6 +144,7 @@ GroupEmulators::GroupEmulators(const SharedEnsemble& ensemble, const std::vector
                            sample.transform,
                            sample.stages(),
                            static_cast<Index>(used.size()),
+                           {},
                            {},
                            {},
                            {},

@@ -39,6 +39,7 @@ struct GroupEmulator {
     Eigen::MatrixXd library;                         // [d + 1 x k] fitted coordinates, then misfit's
     Eigen::VectorXd library_void_ratio;              // [k] coordinate
     Eigen::MatrixXd library_mean, library_variance;  // [k x q] of the components
+    Eigen::VectorXd typical_variance;                // [q] CurveEmulator's
 
     std::string description() const;  // a sentence
 };

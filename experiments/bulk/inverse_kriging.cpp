@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 
 namespace loam::experiments {
@@ -29,8 +28,9 @@ surrogate::GaussianProcess kriging(const MatrixXd& strain, const VectorXd& value
     h.nugget = std::max(best->model.nugget, least_share * variance);
     h.length_scales.resize(static_cast<Index>(stages.size()));
     // The kernel is exp(-h^2 / 2), the semivariogram's exp(-h^2).
+    const double together = std::sqrt(0.5 * static_cast<double>(stages.size()));
     for (std::size_t k = 0; k < stages.size(); ++k)
-        h.length_scales[static_cast<Index>(k)] = stages[k].model.range / std::numbers::sqrt2;
+        h.length_scales[static_cast<Index>(k)] = stages[k].model.range * together;
     surrogate::GaussianProcessOptions options;
     options.kernel = "squared_exponential";
     return surrogate::GaussianProcess::condition(strain, values, h, options);

@@ -2,9 +2,10 @@
 // ordinary kriging of the training ensemble, one semivariogram for each parameter and stage.
 //
 // The paper fits a Gaussian semivariogram of each parameter over each stage's strain; it does not say how the
-// eight become one. Here a stage's range scales its strain, h^2 = sum (difference / range)^2, and nugget and
-// sill are those of the stage that leaves least unexplained. Ordinary kriging is a Gaussian process with an
-// unknown constant mean, and is computed as one.
+// eight become one. Here h^2 is the mean over the stages of (difference / range)^2: the stages strain
+// together, and each one's semivariogram, taken alone, already holds what the others do. Nugget and sill are
+// those of the stage that leaves least unexplained. Ordinary kriging is a Gaussian process with an unknown
+// constant mean, and is computed as one.
 #pragma once
 
 #include <map>

@@ -3,8 +3,10 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 
+#include "experiments/ensemble/run_seed.hpp"
 #include "experiments/likelihood_terms.hpp"
 #include "experiments/workflows/parameter_summary.hpp"
 #include "optimizers/least_squares.hpp"
@@ -39,8 +41,14 @@ class SampleLikelihood {
         residual_ = target - w * emulator.offset();
     }
 
+    /// From now on as if the emulator left the same variance open [q] at every set: a search is then not
+    /// drawn to where the emulator knows nothing and so excludes nothing.
+    void hold_open(VectorXd open) { open_ = std::move(open); }
+
     Index parameters() const { return space_.dimension(); }
-    double misfit(const VectorXd& theta) const { return misfit_prior.from_unit(theta[parameters()]); }
+    double misfit(const VectorXd& theta) const {
+        return strain_misfit_prior().from_unit(theta[parameters()]);
+    }
 
     /// The emulator's inputs at x [d].
     VectorXd inputs(const VectorXd& x) const {
@@ -61,16 +69,27 @@ class SampleLikelihood {
     }
 
     double log_prior(const VectorXd& theta) const {
-        double sum = misfit_prior.log_density_unit(theta[parameters()]);
+        double sum = strain_misfit_prior().log_density_unit(theta[parameters()]);
         for (Index k = 0; k < parameters(); ++k) sum += space_.prior(k).log_density_unit(theta[k]);
         return sum;
     }
 
+    /// Variance of the components [q] that the emulator leaves open on average at the columns of points.
+    VectorXd mean_open(const MatrixXd& points) const {
+        MatrixXd mean, variance;
+        group_.emulator.predict_components(inputs_of(points), mean, variance);
+        return variance.colwise().mean().transpose();
+    }
+
     /// At the columns of points [d + 1 x k].
     VectorXd log_posterior(const MatrixXd& points) const {
-        MatrixXd at(points.cols(), inputs(points.col(0)).size()), mean, variance;
-        for (Index k = 0; k < points.cols(); ++k) at.row(k) = inputs(points.col(k)).transpose();
-        group_.emulator.predict_components(at, mean, variance);
+        if (open_) {
+            VectorXd out(points.cols());
+            for (Index k = 0; k < points.cols(); ++k) out[k] = log_posterior_at(points.col(k));
+            return out;
+        }
+        MatrixXd mean, variance;
+        group_.emulator.predict_components(inputs_of(points), mean, variance);
         VectorXd out(points.cols());
         for (Index k = 0; k < points.cols(); ++k)
             out[k] = log_likelihood(points.col(k), mean.row(k).transpose(), variance.row(k).transpose()) +
@@ -92,18 +111,24 @@ class SampleLikelihood {
         return out;
     }
 
+    /// With the variance held open.
+    double log_posterior_at(const VectorXd& theta) const {
+        return log_likelihood(theta, group_.emulator.predict_component_means(inputs(theta)), *open_) +
+               log_prior(theta);
+    }
+
+    /// With the variance held open.
     MatrixXd covariance(const VectorXd& theta) const {
-        const surrogate::ComponentPrediction at = group_.emulator.predict_components(inputs(theta));
-        return covariance(theta, at.variance, group_.emulator.noise().scale(inputs(theta)));
+        return covariance(theta, *open_, group_.emulator.noise().scale(inputs(theta)));
     }
 
     /// The misfit's coordinate that is most probable with the others as they are.
     void improve_misfit(VectorXd& theta, double& value) const {
-        const surrogate::ComponentPrediction at = group_.emulator.predict_components(inputs(theta));
+        const VectorXd mean = group_.emulator.predict_component_means(inputs(theta));
         VectorXd candidate = theta;
         for (int k = 0; k <= misfit_grid; ++k) {
             candidate[parameters()] = static_cast<double>(k) / misfit_grid;
-            const double now = log_likelihood(candidate, at.mean, at.variance) + log_prior(candidate);
+            const double now = log_likelihood(candidate, mean, *open_) + log_prior(candidate);
             if (now <= value) continue;
             value = now;
             theta[parameters()] = candidate[parameters()];
@@ -112,7 +137,8 @@ class SampleLikelihood {
 
     double emulator_share(const VectorXd& theta) const {
         const surrogate::ComponentPrediction at = group_.emulator.predict_components(inputs(theta));
-        return (loadings_.cwiseAbs2() * at.variance).sum() / covariance(theta).trace();
+        const double scale = group_.emulator.noise().scale(inputs(theta));
+        return (loadings_.cwiseAbs2() * at.variance).sum() / covariance(theta, at.variance, scale).trace();
     }
 
     /// Residuals whitened by a covariance, with the priors of the parameters as further residuals.
@@ -148,6 +174,13 @@ class SampleLikelihood {
         return group_.emulator.processes().front().data().inputs.cols() > parameters();
     }
 
+    /// One row a column of points.
+    MatrixXd inputs_of(const MatrixXd& points) const {
+        MatrixXd out(points.cols(), inputs(points.col(0)).size());
+        for (Index k = 0; k < points.cols(); ++k) out.row(k) = inputs(points.col(k)).transpose();
+        return out;
+    }
+
     MatrixXd covariance(const VectorXd& theta, const VectorXd& variance, double scale) const {
         MatrixXd c = loadings_ * variance.asDiagonal() * loadings_.transpose();
         c += packing_share_ * scale * noise_;
@@ -161,6 +194,7 @@ class SampleLikelihood {
     double packing_share_;
     MatrixXd loadings_, noise_;           // at the sample's readings
     VectorXd large_specimen_, residual_;  // residual_: measured minus the emulator's offset
+    std::optional<VectorXd> open_;        // [q]
 };
 
 /// Least squares from theta with the covariance held at it, and the misfit, in turns as long as that gains.
@@ -181,7 +215,7 @@ void refine(const SampleLikelihood& likelihood, VectorXd& theta, double& value) 
             optimizers::minimise_least_squares(residuals, optimizers::unit_cube(d), theta.head(d), options);
         VectorXd candidate = theta;
         candidate.head(d) = found.minimum.x;
-        const double better = likelihood.log_posterior(candidate)[0];
+        const double better = likelihood.log_posterior_at(candidate);
         if (better > value) {
             theta = candidate;
             value = better;
@@ -212,6 +246,25 @@ VectorXd search(const SampleLikelihood& likelihood, const MatrixXd& points) {
     return best;
 }
 
+/// The posterior. Where it lies is learnt first with a variance of the emulator that is the same everywhere:
+/// the variance at a point costs twenty times its mean.
+optimizers::WeightedDraws sample_posterior_of(const SampleLikelihood& likelihood, const GroupEmulator& group,
+                                              optimizers::ImportanceOptions options) {
+    const VectorXd weights = likelihood.library_weights();
+    SampleLikelihood rough = likelihood;
+    const VectorXd share = (weights.array() - weights.maxCoeff()).exp().matrix();
+    rough.hold_open(group.library_variance.transpose() * share / share.sum());
+    options.rounds = options.most_rounds = 2;
+    const optimizers::WeightedDraws place = optimizers::sample_by_importance(
+        [&](const MatrixXd& points) { return rough.log_posterior(points); }, group.library, weights, options);
+    options.rounds = 1;
+    options.most_rounds = 8;
+    options.seed = run_seed(options.seed, 1, 0);
+    return optimizers::sample_by_importance(
+        [&](const MatrixXd& points) { return likelihood.log_posterior(points); }, place.draws.transpose(),
+        place.weight.array().log().matrix(), options);
+}
+
 }  // namespace
 
 SampleFit fit_sample(const BulkSample& sample, const GroupEmulator& group, const ParameterSpace& space,
@@ -221,11 +274,11 @@ SampleFit fit_sample(const BulkSample& sample, const GroupEmulator& group, const
     options.draws = std::max(50, settings.bulk.posterior_draws / 2);
     options.last_draws = std::max(50, settings.bulk.posterior_draws);
     options.seed = seed;
-    const optimizers::WeightedDraws posterior = optimizers::sample_by_importance(
-        [&](const MatrixXd& points) { return likelihood.log_posterior(points); }, group.library,
-        likelihood.library_weights(), options);
-    const SampleLikelihood representative(sample, group, space, 0);
-    const VectorXd theta = search(representative, posterior.resampled(tried_draws).transpose());
+    const optimizers::WeightedDraws posterior = sample_posterior_of(likelihood, group, options);
+    SampleLikelihood representative(sample, group, space, 0);
+    const MatrixXd tried = posterior.resampled(tried_draws).transpose();
+    representative.hold_open(representative.mean_open(tried).cwiseMin(group.typical_variance));
+    const VectorXd theta = search(representative, tried);
 
     SampleFit out;
     out.estimate = theta.head(space.dimension());
@@ -235,6 +288,11 @@ SampleFit fit_sample(const BulkSample& sample, const GroupEmulator& group, const
     out.emulator_share = representative.emulator_share(theta);
     out.predicted = representative.curve(out.estimate);
     return out;
+}
+
+VectorXd predicted_curve(const BulkSample& sample, const GroupEmulator& group, const ParameterSpace& space,
+                         const VectorXd& x) {
+    return SampleLikelihood(sample, group, space, 0).curve(x);
 }
 
 MatrixXd likely_points(const BulkSample& sample, const GroupEmulator& group, const ParameterSpace& space,

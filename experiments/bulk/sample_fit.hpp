@@ -26,6 +26,10 @@ struct SampleFit {
 SampleFit fit_sample(const BulkSample& sample, const GroupEmulator& group, const ParameterSpace& space,
                      const Settings& settings, std::uint64_t seed);
 
+/// The emulator's curve [m] at coordinates x [d], as the mean of direct runs would show it, SI.
+Eigen::VectorXd predicted_curve(const BulkSample& sample, const GroupEmulator& group,
+                                const ParameterSpace& space, const Eigen::VectorXd& x);
+
 /// `count` points [count x d] where the sample's posterior lies, roughly: where further runs teach most.
 Eigen::MatrixXd likely_points(const BulkSample& sample, const GroupEmulator& group,
                               const ParameterSpace& space, Eigen::Index count, std::uint64_t seed);

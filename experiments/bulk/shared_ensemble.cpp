@@ -16,7 +16,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 // Places of the runs in the ensemble, as in calibration.cpp: every run's index follows from its purpose.
-constexpr std::uint64_t further_from = 2'000'000, confirmations_from = 1'000'000'000, trial_size = 1000;
+constexpr std::uint64_t further_from = 2'000'000, confirmations_from = 1'000'000'000, trial_size = 1000,
+                        turn_size = 1'000'000'000;
 constexpr std::uint64_t training_packings = 1, confirmation_packings = 2, design_stream = 3;
 constexpr std::uint64_t packing_pool = 128;
 
@@ -132,18 +133,19 @@ RunSpec SharedEnsemble::training_spec(std::uint64_t index, const char* purpose, 
             static_cast<std::uint32_t>(settings.particles)};
 }
 
-std::vector<RunRecord> SharedEnsemble::train_at(const MatrixXd& points) {
+std::vector<RunRecord> SharedEnsemble::train_at(const MatrixXd& points, std::uint64_t first) {
     std::vector<RunSpec> specs;
     for (Index k = 0; k < points.rows(); ++k)
-        specs.push_back(training_spec(further_from + static_cast<std::uint64_t>(k), "training",
+        specs.push_back(training_spec(further_from + first + static_cast<std::uint64_t>(k), "training",
                                       space().physical(points.row(k).transpose())));
     return campaign_->run("further training", specs);
 }
 
-std::optional<std::vector<RunRecord>> SharedEnsemble::stored_further(Index count) const {
+std::optional<std::vector<RunRecord>> SharedEnsemble::stored_further(std::uint64_t first, Index count) const {
     std::vector<RunRecord> out;
     for (Index k = 0; k < count; ++k) {
-        std::optional<RunRecord> run = campaign_->store().find(further_from + static_cast<std::uint64_t>(k));
+        std::optional<RunRecord> run =
+            campaign_->store().find(further_from + first + static_cast<std::uint64_t>(k));
         if (!run) return std::nullopt;
         out.push_back(std::move(*run));
     }
@@ -165,14 +167,14 @@ std::vector<RunRecord> SharedEnsemble::train(Index n) {
     return campaign_->run("training", specs);
 }
 
-std::vector<std::vector<RunRecord>> SharedEnsemble::confirm(const std::vector<DirectTrial>& trials,
-                                                            int count) {
+std::vector<std::vector<RunRecord>> SharedEnsemble::confirm(const std::vector<DirectTrial>& trials, int count,
+                                                            int turn) {
     const Settings& settings = campaign_->settings();
     std::vector<RunSpec> specs;
     for (const DirectTrial& trial : trials)
         for (int k = 0; k < count; ++k) {
-            const std::uint64_t index =
-                confirmations_from + trial.row * trial_size + static_cast<std::uint64_t>(k);
+            const std::uint64_t index = confirmations_from + static_cast<std::uint64_t>(turn) * turn_size +
+                                        trial.row * trial_size + static_cast<std::uint64_t>(k);
             specs.push_back({index, "confirmation", trial.parameters,
                              run_seed(settings.seed, index, confirmation_packings),
                              static_cast<std::uint32_t>(settings.particles)});

@@ -45,12 +45,14 @@ class SharedEnsemble {
 
     /// The first training runs: a design over the prior.
     std::vector<RunRecord> train(Eigen::Index count);
-    /// Further training runs at points [n x d] of the unit cube.
-    std::vector<RunRecord> train_at(const Eigen::MatrixXd& points);
+    /// Further training runs at points [n x d] of the unit cube; `first` is the number of the first of them.
+    std::vector<RunRecord> train_at(const Eigen::MatrixXd& points, std::uint64_t first);
     /// Those further runs, if all `count` of them are stored.
-    std::optional<std::vector<RunRecord>> stored_further(Eigen::Index count) const;
-    /// `count` direct runs for each trial, on specimens that no emulator saw; [trials][count].
-    std::vector<std::vector<RunRecord>> confirm(const std::vector<DirectTrial>& trials, int count);
+    std::optional<std::vector<RunRecord>> stored_further(std::uint64_t first, Eigen::Index count) const;
+    /// `count` direct runs for each trial, on specimens that no emulator saw; [trials][count]. `turn`, 0..9,
+    /// tells their specimens from those of earlier trials of the same rows.
+    std::vector<std::vector<RunRecord>> confirm(const std::vector<DirectTrial>& trials, int count,
+                                                int turn = 0);
 
   private:
     void choose_void_ratio(const Settings& settings, const lab_data::DataSet& set);

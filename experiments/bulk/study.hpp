@@ -26,6 +26,7 @@ struct DirectRuns {
     Eigen::VectorXd mean, sd;             // [m]; sd empty for one run
     std::size_t asked = 0;
     std::string reason;  // of the first run that failed
+    std::vector<RunRecord> runs{};
 };
 
 struct SampleOutcome {
@@ -45,6 +46,16 @@ struct PooledError {
     std::size_t readings = 0;
 };
 
+struct CurvePair {
+    Eigen::VectorXd measured, simulated;  // [m] strain
+};
+
+/// Both methods on the same samples, by the emulators' curves at their estimates.
+struct MethodComparison {
+    std::size_t samples = 0;
+    PooledError emulator, inverse_kriging;
+};
+
 struct Part {
     std::string name;
     double seconds = 0;
@@ -56,13 +67,15 @@ struct BulkStudy {
     std::vector<RunRecord> training;
     std::vector<std::string> emulators;  // a sentence each
     std::vector<std::string> warnings;
-    std::vector<Part> parts;  // where the time went
+    std::vector<Part> parts;                     // where the time went
+    std::optional<MethodComparison> comparison;  // with the method "emulator"
+    std::size_t mended = 0;  // fits made again because direct runs showed that the emulator was wrong there
 };
 
 /// Runs the study. Throws Interrupted, and what the ensemble and the emulators throw.
 BulkStudy run_study(SharedEnsemble& ensemble, const lab_data::DataSet& set, const Settings& settings,
                     const std::filesystem::path& folder, RunLog& log);
 
-PooledError pooled_error(const std::vector<const SampleOutcome*>& samples);
+PooledError pooled_error(const std::vector<CurvePair>& curves);
 
 }  // namespace loam::experiments

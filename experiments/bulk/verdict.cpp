@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <optional>
 
 namespace loam::experiments {
 namespace {
@@ -38,10 +39,25 @@ double root_mean_square(const VectorXd& difference) {
     return std::sqrt(difference.squaredNorm() / static_cast<double>(difference.size()));
 }
 
+/// How far (m/m) direct runs are from the method's own curve; 0 where it has none.
+double emulator_error(const SampleOutcome& outcome) {
+    if (outcome.fit->predicted.size() == 0) return 0;
+    return root_mean_square(outcome.direct->mean - outcome.fit->predicted);
+}
+
+/// The packings' scatter (m/m), if it explains the error.
+std::optional<double> explaining_scatter(const SampleOutcome& outcome) {
+    if (outcome.direct->sd.size() == 0) return std::nullopt;
+    const double scatter = root_mean_square(outcome.direct->sd);
+    const double runs = static_cast<double>(outcome.direct->curves.size());
+    if (scatter > scatter_share * outcome.rmse * std::sqrt(runs)) return scatter;
+    return std::nullopt;
+}
+
 /// Whether the emulator missed what the model does at the estimate, or the model itself does not follow.
 std::string who_is_at_fault(const SampleOutcome& outcome) {
     if (outcome.fit->predicted.size() == 0) return {};
-    const double emulator = root_mean_square(outcome.direct->mean - outcome.fit->predicted);
+    const double emulator = emulator_error(outcome);
     if (emulator >= emulator_share * outcome.rmse)
         return fmt::format(
             "the emulator is off by {:.1e} m/m at the estimate (more training runs, --runs, mend that): ",
@@ -63,20 +79,22 @@ std::string reason_for(const SampleOutcome& outcome, const ParameterSpace& space
         return fmt::format(
             "{:.0f} % of the strain comes at the first stage: a disturbed or badly seated specimen",
             100 * strain[0] / last);
-    if (outcome.direct->sd.size() > 0) {
-        const double scatter =
-            std::sqrt(outcome.direct->sd.squaredNorm() / static_cast<double>(strain.size()));
-        if (scatter >
-            scatter_share * outcome.rmse * std::sqrt(static_cast<double>(outcome.direct->curves.size())))
-            return fmt::format("specimens at the estimate scatter by {:.1e} m/m: they are about to collapse",
-                               scatter);
-    }
+    if (const auto scatter = explaining_scatter(outcome))
+        return fmt::format("specimens at the estimate scatter by {:.1e} m/m: they are about to collapse",
+                           *scatter);
     const std::string bound = bound_met(*outcome.fit, space);
     const std::string shape = who_is_at_fault(outcome) + shape_of_error(outcome.direct->mean - strain);
     return bound.empty() ? shape : shape + "; " + bound;
 }
 
 }  // namespace
+
+bool was_misled(const SampleOutcome& outcome) {
+    if (!outcome.direct || !outcome.fit) return false;
+    if (outcome.direct->curves.empty()) return true;
+    return outcome.rmse > followed_error && !explaining_scatter(outcome) &&
+           emulator_error(outcome) >= emulator_share * outcome.rmse;
+}
 
 void judge(SampleOutcome& outcome, const ParameterSpace& space) {
     if (!outcome.status.empty()) return;

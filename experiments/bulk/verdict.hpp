@@ -9,6 +9,10 @@ namespace loam::experiments {
 /// 2019.
 inline constexpr double followed_error = 6.7e-3;
 
+/// Whether direct runs do not follow the measured curve and the emulator, whose best curve their parameters
+/// are, is at fault: they are far from what it said, by more than packings scatter, or none came to an end.
+bool was_misled(const SampleOutcome& outcome);
+
 /// Fills in status, whether it is followed, and the reason, of a sample whose status is still open.
 void judge(SampleOutcome& outcome, const ParameterSpace& space);
 

@@ -188,6 +188,8 @@ const std::array table{
           "fresh packings for each sample's direct runs at the estimate", count(1)},
     Field{"bulk", "posterior_draws", [](Settings& s) -> Slot { return &s.bulk.posterior_draws; },
           "draws in the last round of each sample's posterior", count(100, 1e6)},
+    Field{"bulk", "mending_rounds", [](Settings& s) -> Slot { return &s.bulk.mending_rounds; },
+          "rounds of further runs for samples whose emulator direct runs show to be wrong", count(0, 9)},
     Field{"diagnosis", "candidates", [](Settings& s) -> Slot { return &s.diagnosis.candidates; },
           "effects to consider (default: every one that the model has not)", {}, effect_names},
     Field{"diagnosis", "false_alarm_rate", [](Settings& s) -> Slot { return &s.diagnosis.false_alarm_rate; },

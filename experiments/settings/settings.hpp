@@ -84,6 +84,7 @@ struct BulkSettings {
     int stages = 12;                  // most stages of the shared ensemble
     int confirmation_packings = 4;    // fresh packings for each sample's direct runs
     int posterior_draws = 600;        // in the last round of sampling each posterior
+    int mending_rounds = 2;  // of more runs and a new fit for samples whose emulator direct runs show wrong
     bool operator==(const BulkSettings&) const = default;
 };
 

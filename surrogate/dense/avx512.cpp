@@ -2,6 +2,6 @@
 
 namespace loam::surrogate {
 
-const DenseFunctions dense_avx512{invert_factor, gram, multiply, multiply_many};
+const DenseFunctions dense_avx512 = functions;
 
 }  // namespace loam::surrogate

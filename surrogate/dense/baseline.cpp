@@ -2,6 +2,6 @@
 
 namespace loam::surrogate {
 
-const DenseFunctions dense_baseline{invert_factor, gram, multiply, multiply_many};
+const DenseFunctions dense_baseline = functions;
 
 }  // namespace loam::surrogate

@@ -18,7 +18,13 @@ struct DenseFunctions {
     void (*multiply)(int n, const double* lower, bool transposed, const double* vector, double* product);
     /// products [n x k] = X V for a lower matrix X with its zeros and V [n x k].
     void (*multiply_many)(int n, const double* lower, int k, const double* vectors, double* products);
+    /// The kernels of kernels/, over n squared distances: value and slope [n].
+    void (*matern52)(int n, const double* squared_distance, double* value, double* slope);
+    void (*squared_exponential)(int n, const double* squared_distance, double* value, double* slope);
 };
+
+/// Those for the processor at hand.
+const DenseFunctions& dense_functions();
 
 extern const DenseFunctions dense_baseline, dense_avx2, dense_avx512;
 

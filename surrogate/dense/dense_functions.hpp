@@ -4,6 +4,8 @@
 #include <Eigen/Dense>
 
 #include "surrogate/dense/dense.hpp"
+#include "surrogate/kernels/matern52.hpp"
+#include "surrogate/kernels/squared_exponential.hpp"
 
 namespace loam::surrogate {
 namespace {
@@ -66,6 +68,33 @@ void multiply_many(int n, const double* lower, int k, const double* vectors, dou
     }
     Eigen::Map<Eigen::MatrixXd>(products, n, k) = to;
 }
+
+/// In aligned stretches of full vectors, so that an entry's bits do not depend on its place.
+template <class Kernel>
+void in_stretches(int n, const double* squared_distance, double* value, double* slope, Kernel kernel) {
+    using Stretch = Eigen::Array<double, block, 1>;
+    Stretch from = Stretch::Zero(), v, s;
+    for (int i = 0; i < n; i += block) {
+        const int length = n - i < block ? n - i : block;
+        for (int k = 0; k < length; ++k) from[k] = squared_distance[i + k];
+        kernel(from, v, s);
+        for (int k = 0; k < length; ++k) value[i + k] = v[k];
+        for (int k = 0; k < length; ++k) slope[i + k] = s[k];
+    }
+}
+
+void matern52_of(int n, const double* squared_distance, double* value, double* slope) {
+    in_stretches(n, squared_distance, value, slope,
+                 [](const auto& r2, auto& v, auto& s) { matern52(r2, v, s); });
+}
+
+void squared_exponential_of(int n, const double* squared_distance, double* value, double* slope) {
+    in_stretches(n, squared_distance, value, slope,
+                 [](const auto& r2, auto& v, auto& s) { squared_exponential(r2, v, s); });
+}
+
+constexpr DenseFunctions functions{invert_factor, gram,        multiply,
+                                   multiply_many, matern52_of, squared_exponential_of};
 
 }  // namespace
 }  // namespace loam::surrogate

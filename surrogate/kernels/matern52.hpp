@@ -3,12 +3,11 @@
 // Source: Rasmussen & Williams 2006, Gaussian Processes for Machine Learning, eq. 4.17.
 #pragma once
 
-#include <Eigen/Core>
-
 namespace loam::surrogate {
 
-inline void matern52(const Eigen::Ref<const Eigen::ArrayXd>& squared_distance,
-                     Eigen::Ref<Eigen::ArrayXd> value, Eigen::Ref<Eigen::ArrayXd> slope) {
+/// Of and into arrays of Eigen's, whichever namespace it was compiled in.
+template <class Array>
+void matern52(const Array& squared_distance, Array& value, Array& slope) {
     value = (5 * squared_distance).sqrt();
     slope = (-value).exp();
     // In place, to keep prediction free of allocations: slope holds exp(-a) until the last line.

@@ -4,11 +4,23 @@
 #include <stdexcept>
 #include <string>
 
-#include "surrogate/kernels/matern52.hpp"
-#include "surrogate/kernels/squared_exponential.hpp"
+#include "surrogate/dense/dense.hpp"
 
 namespace loam::surrogate {
 namespace {
+
+using Eigen::ArrayXd;
+using Eigen::Ref;
+
+void matern52(const Ref<const ArrayXd>& squared_distance, Ref<ArrayXd> value, Ref<ArrayXd> slope) {
+    dense_functions().matern52(static_cast<int>(squared_distance.size()), squared_distance.data(),
+                               value.data(), slope.data());
+}
+
+void squared_exponential(const Ref<const ArrayXd>& squared_distance, Ref<ArrayXd> value, Ref<ArrayXd> slope) {
+    dense_functions().squared_exponential(static_cast<int>(squared_distance.size()), squared_distance.data(),
+                                          value.data(), slope.data());
+}
 
 constexpr std::array all_kernels{
     KernelInfo{"matern52", "twice differentiable functions; forgiving where the response bends sharply",

@@ -1,6 +1,7 @@
 // The covariance kernels that Gaussian processes may use: functions of the squared distance r^2 between two
 // points whose coordinates were divided by their length scales. Options and contract tests read this table.
-// To add a kernel: one header surrogate/kernels/<name>.hpp and one line of kernels() in registry.cpp.
+// To add a kernel: one header surrogate/kernels/<name>.hpp, one function of dense/ that compiles it for each
+// processor, and one line of kernels() in registry.cpp.
 #pragma once
 
 #include <Eigen/Core>

@@ -2,12 +2,11 @@
 // Source: Rasmussen & Williams 2006, Gaussian Processes for Machine Learning, eq. 4.9.
 #pragma once
 
-#include <Eigen/Core>
-
 namespace loam::surrogate {
 
-inline void squared_exponential(const Eigen::Ref<const Eigen::ArrayXd>& squared_distance,
-                                Eigen::Ref<Eigen::ArrayXd> value, Eigen::Ref<Eigen::ArrayXd> slope) {
+/// Of and into arrays of Eigen's, whichever namespace it was compiled in.
+template <class Array>
+void squared_exponential(const Array& squared_distance, Array& value, Array& slope) {
     value = (-0.5 * squared_distance).exp();
     slope = -0.5 * value;
 }

@@ -83,8 +83,28 @@ function followAddress(place, samples) {
 
 const shownAtMost = 200;
 
+const methodColumns = [
+  { head: "Method, and whose curves", cell: (m) => m.name },
+  { head: "Error", number: true, cell: (m) => error(m.rmse) },
+  { head: "Mean error", number: true, cell: (m) => signed(m.me) },
+  { head: "r", number: true, cell: (m) => number(m.pearson_r, 4) },
+];
+
+// The two methods beside each other, and beside the paper that the study repeats.
+function methodsTable(bulk) {
+  const rows = [];
+  if (finite(bulk.overall.rmse)) rows.push({ name: `${bulk.method}: direct runs at its estimates`, ...bulk.overall });
+  if (bulk.methods) {
+    rows.push({ name: "emulator: its own curves", ...bulk.methods.emulator });
+    rows.push({ name: "inverse kriging from the same runs: the emulator's curves", ...bulk.methods["inverse-kriging"] });
+  }
+  rows.push({ name: "De Pue et al. (2019), inverse kriging of 125 other samples: direct runs", rmse: 0.0067, me: 0.00297, pearson_r: 0.99 });
+  return table(methodColumns, rows);
+}
+
 function render(parent, data) {
   const { samples, overall } = data.bulk;
+  parent.append(el("h3", "", "Methods beside each other"), methodsTable(data.bulk));
   const points = samples.flatMap((s) => list(s.simulated).map((y, k) => ({ x: s.measured[k], y })));
   if (points.length > 0) {
     const text = `Error ${curveError(overall.rmse, "m/m", "axial_strain")}, mean error ${signed(overall.me)}, r = ${number(overall.pearson_r, 4)}, ${overall.readings} readings. De Pue et al. (2019): 0.0067 m/m, 0.00297 m/m, r = 0.99.`;

@@ -9,6 +9,9 @@ namespace loam::experiments {
 /// Synthetic soils with known parameters, recovered from one shared ensemble: errors, floors and coverage.
 int bench_twins(const Settings& settings);
 
+/// Likewise from an oedometer, a triaxial and a direct shear test of each soil together.
+int bench_joint_twins(const Settings& settings);
+
 /// Oedometer runs at the default loading rate and at half of it: mean change of strain, stage by stage.
 int bench_rate(const Settings& settings);
 

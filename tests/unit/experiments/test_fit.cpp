@@ -1,7 +1,8 @@
-// The scale on which curves are compared.
+// The scale on which curves are compared, and fits through an emulator of known curves.
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 #include "experiments/fit.hpp"
 
@@ -39,6 +40,73 @@ TEST(OutputTransform, InverseAndDerivativeBelongToForward) {
     double sum = 0;
     for (const double y : {0.0004, 0.0004, 0.0030, 0.0034}) sum += t.forward(y) / 4;
     EXPECT_NEAR(t.inverse(sum), mean, 0.15 * mean);
+}
+
+/// A model of one parameter whose curves bend by 0.3 sin(7 x), known from runs with x < 0.45 alone, which
+/// scatter by 1 %.
+struct HalfKnown {
+    static constexpr Eigen::Index readings = 6;
+    ParameterSpace space;
+    Settings settings;
+    Observation observation;
+    std::vector<RunRecord> runs;
+    std::vector<Eigen::Index> columns;
+
+    static double strain(double x, Eigen::Index k) { return bent(0.3 * std::sin(7 * x), k) * (1 + 0.2 * x); }
+    static double bent(double bend, Eigen::Index k) {
+        return 0.02 * static_cast<double>(k + 1) / static_cast<double>(readings) *
+               (1 + (k < readings / 2 ? -bend : bend));
+    }
+
+    HalfKnown() {
+        settings = Settings{};
+        space.parameters.resize(1);
+        space.fitted = {0};
+        space.priors = {surrogate::Prior{surrogate::PriorKind::uniform, 0, 0, 0, 1}};
+        space.values = Eigen::VectorXd::Constant(1, 0.5);
+        std::mt19937_64 random(11);
+        std::normal_distribution<double> normal;
+        for (int r = 0; r < 40; ++r) {
+            RunRecord run;
+            run.spec.parameters = Eigen::VectorXd::Constant(1, 0.45 * r / 39);
+            run.ok = true;
+            run.outputs.resize(readings);
+            for (Eigen::Index k = 0; k < readings; ++k)
+                run.outputs[k] = strain(run.spec.parameters[0], k) * (1 + 0.01 * normal(random));
+            runs.push_back(run);
+        }
+        for (Eigen::Index k = 0; k < readings; ++k) columns.push_back(k);
+    }
+};
+
+TEST(Fit, FindsTheParameterAndCoversIt) {
+    HalfKnown given;
+    given.observation.measured.resize(HalfKnown::readings);
+    for (Eigen::Index k = 0; k < HalfKnown::readings; ++k)
+        given.observation.measured[k] = HalfKnown::strain(0.3, k);
+    const TrainedEmulator trained = train_emulator(given.runs, given.space, given.columns,
+                                                   transforms_of(given.observation), given.settings);
+    const Fit found = fit(trained, given.space, given.observation, given.settings);
+    EXPECT_NEAR(found.estimate[0], 0.3, 0.03);
+    const Eigen::VectorXd draws = found.posterior.draws.col(0);
+    EXPECT_NEAR(quantile({draws.begin(), draws.end()}, 0.5), 0.3, 0.05);
+}
+
+TEST(Fit, IsNotDrawnToWhereTheEmulatorKnowsNothing) {
+    // No parameter bends the curve so much.
+    HalfKnown given;
+    given.observation.measured.resize(HalfKnown::readings);
+    for (Eigen::Index k = 0; k < HalfKnown::readings; ++k)
+        given.observation.measured[k] = HalfKnown::bent(0.5, k);
+    const TrainedEmulator trained = train_emulator(given.runs, given.space, given.columns,
+                                                   transforms_of(given.observation), given.settings);
+    const Fit found = fit(trained, given.space, given.observation, given.settings);
+    const Eigen::VectorXd draws = found.posterior.draws.col(0);
+    Eigen::Index densest = 0;
+    found.posterior.log_density.maxCoeff(&densest);
+    EXPECT_GT(draws[densest], 0.5) << "ignorance excludes nothing: the posterior is densest beyond the runs";
+    EXPECT_NEAR(found.estimate[0], 0.22, 0.1) << "but it is no reason to go there";
+    EXPECT_GT(found.misfits[0], 1e-3);
 }
 
 }  // namespace
