@@ -24,14 +24,23 @@ using Eigen::VectorXd;
 using surrogate::CurveNoise;
 
 constexpr double identified_below = 0.75;  // posterior over prior width
+// The emulator's variance over the typical one between its runs, at most. The design covers the prior, so
+// more is left open only where runs failed, and there it must not stand in for the model's misfit, whose size
+// has a prior (after Liu, Bayarri & Berger 2009, who keep what one part of a model lacks from being made up
+// by another).
+constexpr double beyond_typical = 9;
 
 class Likelihood {
   public:
-    Likelihood(const TrainedEmulator& trained, const ParameterSpace& space, const Observation& observation)
+    /// `packings`: so many runs at a set must come to an end.
+    Likelihood(const TrainedEmulator& trained, const ParameterSpace& space, const Observation& observation,
+               int packings)
         : trained_(trained),
           space_(space),
           observation_(observation),
-          readings_(observation, trained.transforms) {
+          readings_(observation, trained.transforms),
+          packings_(packings),
+          most_open_(beyond_typical * trained.emulator.typical_variance()) {
         const Index m = observation.measured.size();
         loadings_ = trained.emulator.loadings();
         target_.resize(m);
@@ -68,7 +77,7 @@ class Likelihood {
 
     /// Variance of each component [q] that the emulator leaves open at theta.
     VectorXd open_at(const VectorXd& theta) const {
-        return trained_.emulator.predict_components(theta.head(parameters())).variance;
+        return trained_.emulator.predict_components(theta.head(parameters())).variance.cwiseMin(most_open_);
     }
 
     double emulator_variance(const VectorXd& open) const { return (loadings_.cwiseAbs2() * open).sum(); }
@@ -88,7 +97,7 @@ class Likelihood {
 
     double log_posterior(const VectorXd& theta) const {
         const auto at = trained_.emulator.predict_components(theta.head(parameters()));
-        return log_posterior(theta, at.mean, at.variance);
+        return log_posterior(theta, at.mean, at.variance.cwiseMin(most_open_));
     }
 
     /// As if the emulator left `open` [q] at every theta: what is likely where it knows as much everywhere. A
@@ -130,13 +139,16 @@ class Likelihood {
         }
         const std::optional<double> density = factor.log_density();
         if (!density) return -INFINITY;
-        return *density + log_prior(theta) + trained_.feasibility.log_success(theta.head(parameters()));
+        return *density + log_prior(theta) +
+               packings_ * trained_.feasibility.log_success(theta.head(parameters()));
     }
 
     const TrainedEmulator& trained_;
     const ParameterSpace& space_;
     const Observation& observation_;
     ReadingNoise readings_;
+    int packings_;
+    VectorXd most_open_;                // [q]
     MatrixXd loadings_;                 // [m x q]
     VectorXd target_, large_specimen_;  // [m] at noise of scale 1
 };
@@ -212,7 +224,7 @@ TrainedEmulator train_emulator(const std::vector<RunRecord>& runs, const Paramet
 
 Fit fit(const TrainedEmulator& trained, const ParameterSpace& space, const Observation& observation,
         const Settings& settings) {
-    const Likelihood likelihood(trained, space, observation);
+    const Likelihood likelihood(trained, space, observation, settings.calibration.confirmation_packings);
     const Index n = likelihood.dimension(), d = likelihood.parameters();
     const optimizers::Bounds box = optimizers::unit_cube(n);
     optimizers::Options options;  // of the search
@@ -240,8 +252,7 @@ Fit fit(const TrainedEmulator& trained, const ParameterSpace& space, const Obser
         const double all = likelihood.covariance(looks.row(k).transpose(), opens.row(k).transpose()).trace();
         out.emulator_share += emulator / all / static_cast<double>(looks.rows());
     }
-    const VectorXd open =
-        opens.colwise().mean().transpose().cwiseMin(trained.emulator.typical_variance());
+    const VectorXd open = opens.colwise().mean().transpose().cwiseMin(trained.emulator.typical_variance());
 
     const auto negative = [&](const VectorXd& theta, VectorXd*) {
         return -likelihood.log_representative(theta, open);

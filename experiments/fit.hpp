@@ -7,7 +7,7 @@
 // of their own, and misfit, what the model cannot follow, has a standard deviation for each kind of channel
 // that is estimated along with the parameters. It is correlated along a curve where the observation says so:
 // then the number of readings of a curve does not matter, once there are enough to show its shape. The
-// probability that a run with these parameters comes to an end at all is a further factor.
+// probability that the direct runs with these parameters all come to an end is a further factor.
 #pragma once
 
 #include <Eigen/Core>
@@ -38,7 +38,8 @@ TrainedEmulator train_emulator(const std::vector<RunRecord>& runs, const Paramet
                                const std::vector<OutputTransform>& transforms, const Settings& settings);
 
 struct Fit {
-    Eigen::VectorXd estimate;  // [d] most probable coordinates in the unit cube, were the emulator equally sure everywhere
+    Eigen::VectorXd estimate;  // [d] most probable coordinates in the unit cube, were the emulator equally
+                               // sure everywhere
     Eigen::VectorXd misfits;   // sd of what the model cannot follow, at the estimate, in the curves' units
     double log_posterior = 0;  // at the estimate, up to a constant
     optimizers::Posterior posterior;    // draws [n x d+misfits]: coordinates, misfits'

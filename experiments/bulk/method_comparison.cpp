@@ -18,8 +18,11 @@ MethodComparison compare_methods(const SharedEnsemble& ensemble, const GroupEmul
                                  const std::vector<BulkSample>& samples, const Settings& settings,
                                  const BulkStudy& study) {
     std::vector<const BulkSample*> fitted;
-    for (const BulkSample& sample : samples)
-        if (study.samples[sample.row].fit) fitted.push_back(&sample);
+    for (const BulkSample& sample : samples) {
+        const SampleOutcome& outcome = study.samples[sample.row];
+        const bool stands = !outcome.direct || !outcome.direct->curves.empty();
+        if (outcome.fit && stands) fitted.push_back(&sample);
+    }
     const std::size_t n = std::min(most_compared, fitted.size());
     std::vector<std::optional<CurvePair>> kriging(n), emulator(n);
     InverseKriging method(ensemble, study.training);

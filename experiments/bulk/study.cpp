@@ -135,13 +135,14 @@ BulkStudy run_study(SharedEnsemble& ensemble, const lab_data::DataSet& set, cons
     add_likely_runs(ensemble, settings, samples, second, place, study);
     add_likely_runs(ensemble, settings, samples, settings.runs - first - second, place, study);
     const auto emulators = fit_samples(ensemble, settings, samples, folder / "fits.jsonl", study);
-    if (emulators) {
+    if (emulators)
         for (const GroupEmulator& g : emulators->all()) study.emulators.push_back(g.description());
+    confirm_samples(ensemble, settings, rows_to_confirm(study, settings.confirm), 0, study);
+    if (!kriging) {
+        mend(ensemble, settings, folder, place, study);
         const PartTimer timer(study, "comparison of methods");
         study.comparison = compare_methods(ensemble, *emulators, samples, settings, study);
     }
-    confirm_samples(ensemble, settings, rows_to_confirm(study, settings.confirm), 0, study);
-    if (!kriging) mend(ensemble, settings, folder, place, study);
     for (SampleOutcome& outcome : study.samples) judge(outcome, ensemble.space());
     std::vector<CurvePair> direct;
     for (const SampleOutcome& outcome : study.samples)

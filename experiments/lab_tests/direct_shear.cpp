@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "experiments/lab_tests/care.hpp"
 #include "experiments/lab_tests/consolidation.hpp"
 #include "experiments/lab_tests/shear_box.hpp"
 
@@ -122,9 +123,9 @@ class Shearing {
     }
 
     double rate() const {
-        return std::min(std::max(inertial_rate(options_.inertial_number),
-                                 options_.strain_per_step / simulation_.time_step()),
-                        inertial_rate(options_.highest_inertial_number));
+        return care_.factor() * std::min(std::max(inertial_rate(options_.inertial_number),
+                                                  options_.strain_per_step / simulation_.time_step()),
+                                         inertial_rate(options_.highest_inertial_number));
     }
 
     void look(const Measurement& now, double strain_rate) {
@@ -133,6 +134,7 @@ class Shearing {
         result_.largest_inertial_number = std::max(result_.largest_inertial_number, inertial);
         result_.largest_overlap = std::max(result_.largest_overlap, now.max_overlap);
         result_.largest_normal_error = std::max(result_.largest_normal_error, normal_error());
+        care_.look(normal_error());
         error_sum_ += normal_error();
         unbalanced_sum_ += now.unbalanced_ratio;
         stretches_ += 1;
@@ -144,6 +146,7 @@ class Shearing {
     DirectShearResult& result_;
     const std::function<bool()>& cancelled_;
     engine::WallServo servo_;
+    Care care_;
     double length_, height_ = 0, error_sum_ = 0, unbalanced_sum_ = 0, stretches_ = 0;
 };
 

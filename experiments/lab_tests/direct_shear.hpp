@@ -38,11 +38,12 @@ struct DirectShearReading {
     double displacement = 0;   // over the box's length
     double shear_stress = 0;   // along the displacement, of all walls of the moving half over the plan (Pa)
     double normal_stress = 0;  // of the platen, over the plan (Pa)
-    // Of the platen's force, what the sides of the upper half take by friction: the plane of shear carries one
-    // less this. Negative where particles under the edges push the upper half, which keeps its height, upwards.
+    // Of the platen's force, what the sides of the upper half take by friction: the plane of shear carries
+    // one less this. Negative where particles under the edges push the upper half, which keeps its height,
+    // upwards.
     double wall_share = 0;
-    double settlement = 0;     // of the platen over the height at the start of shearing, positive down
-    double void_ratio = 0;     // of the whole box
+    double settlement = 0;  // of the platen over the height at the start of shearing, positive down
+    double void_ratio = 0;  // of the whole box
     double coordination_number = 0;
 };
 

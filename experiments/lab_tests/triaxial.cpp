@@ -5,6 +5,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "experiments/lab_tests/care.hpp"
 #include "experiments/lab_tests/consolidation.hpp"
 
 namespace loam::experiments {
@@ -88,7 +89,7 @@ class Compression {
         // stress really does.
         const double stiffness = std::max(simulation_.measured().affine_stiffness, options_.cell_pressure);
         const double gentle = ease_ * options_.stress_change * options_.cell_pressure / (stiffness * step);
-        return care_ * std::min(wanted, std::max(gentle, options_.least_strain_per_step / step));
+        return care_.factor() * std::min(wanted, std::max(gentle, options_.least_strain_per_step / step));
     }
 
     void stretch() {
@@ -108,15 +109,6 @@ class Compression {
         if (change < 0.5 * allowed) ease_ = std::min(100.0, 1.1 * ease_);
     }
 
-    /// Rigid specimens under little pressure lose and gain stress faster than the servo follows: where the
-    /// lateral stress is missed by more than half of what is tolerable, lately, compression is slowed down.
-    void take_care(double error) {
-        constexpr double tolerable = 0.01, memory = 100;
-        recent_error_ += (error - recent_error_) / memory;
-        if (recent_error_ > 0.5 * tolerable) care_ = std::max(least_care, 0.98 * care_);
-        if (recent_error_ < 0.4 * tolerable) care_ = std::min(1.0, 1.01 * care_);
-    }
-
     void look(const Measurement& now, double strain_rate) {
         const double inertial = engine::inertial_number(
             strain_rate, now.mean_stress, simulation_.mean_diameter(), simulation_.grain_density());
@@ -124,7 +116,7 @@ class Compression {
         result_.largest_overlap = std::max(result_.largest_overlap, now.max_overlap);
         const Eigen::Array2d error = (stress().head<2>().array() / options_.cell_pressure - 1).abs();
         result_.largest_lateral_error = std::max(result_.largest_lateral_error, error.maxCoeff());
-        take_care(error.mean());
+        care_.look(error.mean());
         error_sum_ += error.mean();
         unbalanced_sum_ += now.unbalanced_ratio;
         stretches_ += 1;
@@ -135,9 +127,8 @@ class Compression {
     TriaxialResult& result_;
     const std::function<bool()>& cancelled_;
     engine::StressServo servo_;
-    static constexpr double least_care = 0.1;
-    double height_, volume_, ease_ = 1, care_ = 1, recent_error_ = 0, error_sum_ = 0, unbalanced_sum_ = 0,
-                             stretches_ = 0;
+    Care care_;
+    double height_, volume_, ease_ = 1, error_sum_ = 0, unbalanced_sum_ = 0, stretches_ = 0;
 };
 
 /// Isotropic consolidation; whether the packing came to rest.
