@@ -130,6 +130,17 @@ void add_runs(Campaign& campaign, const Calibration& c, std::vector<RunRecord>& 
     runs.insert(runs.end(), c.confirmation.begin(), c.confirmation.end());
 }
 
+/// The first parameter whose estimate lies outside the posterior's central 99 %; -1 if none does. The two
+/// differ where the emulator is much less sure in one place than in the other.
+Index outside_posterior(const Fit& fit) {
+    for (Index k = 0; k < fit.estimate.size(); ++k) {
+        const VectorXd draws = fit.posterior.draws.col(k);
+        const std::vector<double> values(draws.begin(), draws.end());
+        if (fit.estimate[k] < quantile(values, 0.005) || fit.estimate[k] > quantile(values, 0.995)) return k;
+    }
+    return -1;
+}
+
 void warn_of_failures(const std::vector<RunRecord>& runs, Calibration& c) {
     const auto failed = std::ranges::count_if(runs, [](const RunRecord& run) { return !run.ok; });
     if (10 * failed < static_cast<std::ptrdiff_t>(runs.size())) return;
@@ -145,6 +156,12 @@ void warn_of_search(const Campaign& campaign, Calibration& c) {
         c.warnings.push_back(
             fmt::format("the posterior's chains have not settled (R-hat {:.3f}, effective draws {:.0f})",
                         p.rhat.maxCoeff(), p.ess_bulk.minCoeff()));
+    if (const Index k = outside_posterior(c.fit); k >= 0)
+        c.warnings.push_back(fmt::format(
+            "the estimate of {} lies outside the central 99 % of its posterior: the emulator is much "
+            "less sure in one place than in the other, and more rounds (calibration.max_rounds) "
+            "are needed",
+            campaign.space().info(k).name));
     for (Index k = 0; k < campaign.space().dimension(); ++k)
         if (c.fit.estimate[k] < 0.01 || c.fit.estimate[k] > 0.99)
             c.warnings.push_back(fmt::format("{} lies at the bound of its prior; wider bounds may fit better",
@@ -245,7 +262,8 @@ Calibration calibrate(Campaign& campaign, std::vector<RunRecord>& runs, const Ca
         c.replicate_sd = sd_outputs(c.confirmation);
         c.rounds.push_back(compare(c, *c.trained, observation));
         const CalibrationRound& now = c.rounds.back();
-        if (now.disagreement <= now.limit && now.emulator_share <= tolerable_share && now.difference <= 1) {
+        if (now.disagreement <= now.limit && now.emulator_share <= tolerable_share && now.difference <= 1 &&
+            outside_posterior(c.fit) < 0) {
             c.stopped_by = "the emulator agrees with direct runs and is a small part of the uncertainty";
             break;
         }
