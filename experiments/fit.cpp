@@ -65,7 +65,8 @@ class Likelihood {
         return out;
     }
 
-    /// [m x m] with what the emulator leaves open, at theta or as given by component.
+    /// Of the residuals [m x m], with `open` [q] the variance of each component that the emulator leaves
+    /// open.
     MatrixXd covariance(const VectorXd& theta, const VectorXd& open) const {
         const CurveNoise& noise = trained_.emulator.noise();
         MatrixXd c =

@@ -3,7 +3,7 @@
 #include <omp.h>
 
 #include <algorithm>
-#include <stdexcept>
+#include <exception>
 
 #include "experiments/bulk/inverse_kriging.hpp"
 
@@ -35,8 +35,9 @@ MethodComparison compare_methods(const SharedEnsemble& ensemble, const GroupEmul
             kriging[k] = {sample.curve.strain,
                           predicted_curve(sample, emulators.of(sample), ensemble.space(), fit.estimate)};
             emulator[k] = {sample.curve.strain, study.samples[sample.row].fit->predicted};
-        } catch (const std::runtime_error&) {
-            // Too few runs reached this sample's stages for kriging.
+        } catch (const std::exception&) {
+            // Too few runs reached this sample's stages, or they do not differ there; no reason to end a
+            // study.
         }
     }
     MethodComparison out;

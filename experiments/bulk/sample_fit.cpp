@@ -246,11 +246,19 @@ VectorXd search(const SampleLikelihood& likelihood, const MatrixXd& points) {
     return best;
 }
 
+/// Of the group's library; throws std::runtime_error where nothing in it has a density.
+VectorXd library_weights(const SampleLikelihood& likelihood) {
+    VectorXd weights = likelihood.library_weights();
+    if (!weights.array().isFinite().any())
+        throw std::runtime_error("no parameters of the prior give a curve that could be this one");
+    return weights;
+}
+
 /// The posterior. Where it lies is learnt first with a variance of the emulator that is the same everywhere:
 /// the variance at a point costs twenty times its mean.
 optimizers::WeightedDraws sample_posterior_of(const SampleLikelihood& likelihood, const GroupEmulator& group,
                                               optimizers::ImportanceOptions options) {
-    const VectorXd weights = likelihood.library_weights();
+    const VectorXd weights = library_weights(likelihood);
     SampleLikelihood rough = likelihood;
     const VectorXd share = (weights.array() - weights.maxCoeff()).exp().matrix();
     rough.hold_open(group.library_variance.transpose() * share / share.sum());
@@ -304,7 +312,7 @@ MatrixXd likely_points(const BulkSample& sample, const GroupEmulator& group, con
     options.seed = seed;
     return optimizers::sample_by_importance(
                [&](const MatrixXd& points) { return likelihood.log_posterior(points); }, group.library,
-               likelihood.library_weights(), options)
+               library_weights(likelihood), options)
         .resampled(count)
         .leftCols(space.dimension());
 }

@@ -31,6 +31,7 @@ Eigen::VectorXd predicted_curve(const BulkSample& sample, const GroupEmulator& g
                                 const ParameterSpace& space, const Eigen::VectorXd& x);
 
 /// `count` points [count x d] where the sample's posterior lies, roughly: where further runs teach most.
+/// Throws std::runtime_error where no draw has a density.
 Eigen::MatrixXd likely_points(const BulkSample& sample, const GroupEmulator& group,
                               const ParameterSpace& space, Eigen::Index count, std::uint64_t seed);
 

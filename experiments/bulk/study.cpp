@@ -42,8 +42,14 @@ Eigen::MatrixXd likely_design(const SharedEnsemble& ensemble, const Settings& se
         // With more samples than runs, every so many samples has one.
         const BulkSample& sample = samples[static_cast<std::size_t>(k * n / std::min(n, count))];
         const std::uint64_t seed = run_seed(run_seed(settings.seed, sample.row, design_stream), place, 0);
-        const Eigen::MatrixXd mine =
-            likely_points(sample, emulators.of(sample), ensemble.space(), each, seed);
+        const GroupEmulator& group = emulators.of(sample);
+        Eigen::MatrixXd mine;
+        try {
+            mine = likely_points(sample, group, ensemble.space(), each, seed);
+        } catch (const std::runtime_error&) {
+            // A curve that no parameters give has no posterior; its runs go where the prior lies.
+            mine = group.library.topLeftCorner(points.cols(), each).transpose();
+        }
         for (Index j = 0; j < each; ++j)
             if (const Index at = j * std::min(n, count) + k; at < count) points.row(at) = mine.row(j);
     }

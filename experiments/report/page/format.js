@@ -114,8 +114,7 @@ function prefixFor(unit, size, least) {
 }
 
 // How to show many numbers on one axis: {factor, unit}; shown = SI value × factor. Strains become percent; the largest
-// number reads as at least `least` in its unit: 6 mm of displacement are not 6,000 µm, while few kPa
-// read better in Pa.
+// number reads as at least `least` in its unit: 6 mm of displacement are not 6,000 µm, while few kPa read better in Pa.
 function displayScale(unit, values, name, least = unit === "m" ? 1 : 10) {
   if (isRatio(unit)) return isStrain(name) ? { factor: 100, unit: "%" } : { factor: 1, unit: "" };
   const largest = values.reduce((m, v) => (finite(v) ? Math.max(m, Math.abs(v)) : m), 0);

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "engine/boxed_packing.hpp"
+#include "experiments/lab_tests/care.hpp"
 #include "experiments/lab_tests/direct_shear.hpp"
 #include "experiments/lab_tests/shear_box.hpp"
 #include "experiments/lab_tests/triaxial.hpp"
@@ -67,6 +68,28 @@ TEST(DirectShear, HoldsTheNormalStressAndLosesNoParticle) {
         const double solid = 1 - run.loaded_porosity, height = 1 - run.readings[2].settlement;
         EXPECT_NEAR(run.readings[2].void_ratio, height / solid - 1, 1e-4);
     }
+}
+
+TEST(Care, SlowsDownWhereTheStressIsMissedAndRecovers) {
+    Care care;
+    for (int k = 0; k < 1000; ++k) care.look(0.007);
+    EXPECT_EQ(care.factor(), 1) << "less than three quarters of 1 % is borne";
+    for (int k = 0; k < 1000; ++k) care.look(0.02);
+    EXPECT_DOUBLE_EQ(care.factor(), 0.1);
+    for (int k = 0; k < 1000; ++k) care.look(0.007);
+    EXPECT_DOUBLE_EQ(care.factor(), 0.1) << "it does not hunt about its limit";
+    for (int k = 0; k < 1000; ++k) care.look(0.001);
+    EXPECT_EQ(care.factor(), 1);
+}
+
+TEST(DirectShear, HoldsTheNormalStressOfAStronglyDilatingSpecimen) {
+    DirectShearOptions options = to({0.12});
+    options.normal_stress = 5e4;
+    options.inertial_number = options.highest_inertial_number;
+    options.strain_per_step = 5e-6;
+    const DirectShearResult result = shear(boxed(4, 0.42), sand(2e8, 0.9), options);
+    ASSERT_TRUE(result.complete) << result.reason;
+    EXPECT_LT(result.mean_normal_error, 0.01);
 }
 
 TEST(DirectShear, ForcesOnTheWallsBalance) {
