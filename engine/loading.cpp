@@ -36,7 +36,6 @@ void StressServo::prescribe(const Eigen::Matrix3d& gradient) {
     prescribed_ = gradient;
     for (int k = 0; k < 3; ++k)
         if (!std::isnan(target_[k])) prescribed_(k, k) = 0;
-    driven_ = driven_ || !prescribed_.isZero(0);
 }
 
 /// The strain rate (1/s) that makes up for a missing stress (Pa) within the relaxation time, of which
@@ -69,7 +68,7 @@ const Measurement& StressServo::advance(Simulation& simulation) {
         const double rate = std::clamp(needed_[k] + correction, -limit, limit);
         // Four relaxation times: critical damping of a stress that follows the strain at the affine
         // stiffness.
-        if (driven_)
+        if (options_.learns_rate)
             needed_[k] += (rate - needed_[k]) * options_.measure_every / (4 * options_.relaxation_steps);
         gradient(k, k) = -rate;
     }

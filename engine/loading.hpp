@@ -24,6 +24,7 @@ struct ServoOptions {
     double unbalanced_ratio = 0.01;  // at rest below this
     double relaxation_steps = 60;    // time constant of the servo, in steps, for the affine stiffness
     int measure_every = 5;           // steps
+    bool learns_rate = true;         // see StressServo; a loose cloud that is being closed has none to learn
     std::uint64_t max_steps = 2'000'000;
     /// The normal stresses to be steered (Pa), e.g. the pressures on the walls of a box; without it
     /// Love-Weber's.
@@ -41,9 +42,9 @@ struct ServoSummary {
 /// whose target is NaN, shear) follows a prescribed velocity gradient, which is zero unless given. The strain
 /// rate of an axis is what it misses over the affine stiffness and the relaxation time; because that
 /// stiffness is an upper estimate, nearly nil while a packing yields, the rate is eased where the stress does
-/// not follow. Where something is driven, the other axes have to move all the time, and a rate in proportion
-/// to what is missing would lag behind; the servo then also learns the rate that is needed (a
-/// proportional-integral controller).
+/// not follow. Where another axis is driven, or the packing yields under the stress that is held, an axis has
+/// to move all the time, and a rate in proportion to what is missing would lag behind: the servo also learns
+/// the rate that is needed (a proportional-integral controller).
 class StressServo {
   public:
     /// `target` [3] (Pa) has at least one number. Throws std::invalid_argument.
@@ -66,10 +67,8 @@ class StressServo {
     double scale_ = 0;  // mean of the targets (Pa)
     ServoOptions options_;
     Eigen::Matrix3d prescribed_ = Eigen::Matrix3d::Zero();
-    bool driven_ = false;
     Eigen::Vector3d ease_ = Eigen::Vector3d::Ones(), missing_before_ = Eigen::Vector3d::Zero();
-    Eigen::Vector3d needed_ =
-        Eigen::Vector3d::Zero();  // strain rate that holds the stress (1/s), where driven
+    Eigen::Vector3d needed_ = Eigen::Vector3d::Zero();  // strain rate that holds the stress (1/s)
 };
 
 /// Brings the packing to these normal stresses (Pa; NaN: the axis keeps its length) and to rest. `each` is

@@ -109,6 +109,7 @@ PackingResult compact(Simulation& simulation, const PackingOptions& options,
     servo.inertial_number = settling_inertia;
     servo.unbalanced_ratio = 0.02;
     servo.max_steps = 200'000;
+    servo.learns_rate = false;
     consolidate(simulation, options.stress, servo, cancelled);
 
     Densification way(simulation, options, servo, poll);

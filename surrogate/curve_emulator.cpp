@@ -109,10 +109,14 @@ Index allowed(Index wanted, const CurveEmulatorOptions& options, const Replicate
     return std::clamp<Index>(wanted, 1, std::min<Index>(options.max_components, groups.size() - 2));
 }
 
-// Components of whitened curves that vary more than noise alone lets the first of them.
-Index above_noise(const CurveBasis& basis, const ReplicateGroups& groups) {
-    const double ratio = static_cast<double>(basis.offset.size()) / static_cast<double>(groups.size());
-    return (basis.score_variance.array() > std::pow(1 + std::sqrt(ratio), 2)).count();
+// Components of whitened curves that vary more than noise usually lets a component. Of m outputs and n inputs
+// noise alone gives variances of up to (1 + sqrt(m/n))^2; a signal that is hardly larger is spread over the
+// components below, down to about 1 + sqrt(m/n) (Baik, Ben Arous and Peche 2005), and a process knows noise
+// when it sees it. With fewer components than inputs, inputs could not be told apart.
+Index above_noise(const CurveBasis& basis, const Data& data) {
+    const double ratio = static_cast<double>(basis.offset.size()) / static_cast<double>(data.groups.size());
+    const Index above = (basis.score_variance.array() > 1 + std::sqrt(ratio)).count();
+    return std::max(above, std::min(data.inputs.cols(), basis.score_variance.size()));
 }
 
 // What the careful fit has to know of the noise beforehand.
@@ -143,8 +147,8 @@ FirstLook first_look(const Data& data, const CurveEmulatorOptions& options, int&
 
     basis = whitened_basis(curves, look.metric);
     scores = basis.scores(data.outputs);
-    processes = fit_components(data, scores, allowed(above_noise(basis, data.groups), options, data.groups),
-                               quick, options.threads, evaluations);
+    processes = fit_components(data, scores, allowed(above_noise(basis, data), options, data.groups), quick,
+                               options.threads, evaluations);
     look.slope = estimate_noise_slope({data.groups, scores, processes});
     return look;
 }
@@ -180,8 +184,7 @@ CurveEmulator CurveEmulator::fit(const MatrixXd& inputs, const MatrixXd& outputs
     emulator.groups_ = data.groups;
     emulator.actual_ = data.groups.means(outputs);
     emulator.basis_ = whitened_basis(emulator.actual_, look.metric);
-    const Index above = above_noise(emulator.basis_, data.groups),
-                count = allowed(above, options, data.groups);
+    const Index above = above_noise(emulator.basis_, data), count = allowed(above, options, data.groups);
     const MatrixXd scores = emulator.basis_.scores(outputs);
     const GaussianProcessOptions careful{.kernel = options.kernel,
                                          .noise_slope = look.slope,

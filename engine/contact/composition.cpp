@@ -194,15 +194,14 @@ double wave_modulus(const ContactLaw& law, const Composition& composition, doubl
     double modulus =
         std::visit([&](const auto& base) { return wave_modulus_of(base, overlap, turns); }, law.base);
     if (n.hertzian_share > 0) modulus *= std::max(1.0, stiffness_over_linear(n, linear, overlap));
-    double turning = 0;
-    if (turns) {
-        // A sphere's spin is held by k_t R² + k_r = k_t R² (1 + k_r/(k_t R²)) at each contact, against 0.4 m
-        // R²; the factor was found where packings of 6 contacts a sphere cease to come to rest.
-        const double ratio = n.stiffness_ratio > 0 ? n.stiffness_ratio : n.shear_modulus / n.normal_modulus;
-        turning = modulus * 1.25 * ratio * (1 + n.rolling_stiffness);
-    }
+    // Of the springs at a sphere the shear ones act along two directions of three and, where it turns, on its
+    // spin: k_t R² + k_r = k_t R² (1 + k_r/(k_t R²)) at each contact, against 0.4 m R². The factors were
+    // found where packings cease to come to rest (ratios 0.05 to 1, 3 to 11.5 contacts a sphere).
+    const double ratio = n.stiffness_ratio > 0 ? n.stiffness_ratio : n.shear_modulus / n.normal_modulus;
+    const double moving = modulus * (0.4 + 0.6 * ratio),
+                 turning = turns ? modulus * 1.8 * ratio * (1 + n.rolling_stiffness) : 0.0;
     // The bridge's force changes fastest where the grains touch.
-    return std::max(modulus * n.plastic_stiffening + n.bridge_force / n.bridge_length, turning);
+    return std::max(moving * n.plastic_stiffening + n.bridge_force / n.bridge_length, turning);
 }
 
 bool stiffens(const ContactLaw& law) {

@@ -24,8 +24,9 @@ struct Composition {
 /// Effects of strength 0 are left out, so that the base law remains bit for bit.
 Composition compose(const ContactLaw& law, double grain_density, bool free_rotation);
 
-/// Young modulus (Pa) that the p-wave estimate of the time step min R sqrt(rho/E) needs for this law: of
-/// springs k_n = E R between equal spheres, more for dashpots and for spins, whose frequency may be higher.
+/// Young modulus (Pa) that the p-wave estimate of the time step min R sqrt(rho/E) needs for this law: for
+/// springs k_n = E R between equal spheres E or, as the shear springs are soft, less; more for dashpots and
+/// for spins, whose frequency may be higher.
 /// `overlap`: largest over R_i + R_j, which only springs that stiffen depend on.
 double wave_modulus(const ContactLaw& law, const Composition& composition, double overlap);
 

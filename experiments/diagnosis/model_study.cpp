@@ -14,6 +14,10 @@ using Eigen::VectorXd;
 
 // Direct runs of the diagnosis, apart from every round of the calibration.
 constexpr std::uint64_t diagnosis_round = 900;
+// The estimate is moved, and new direct runs made there, until the next move would change the curves by less
+// than this (in their noise), or so often.
+constexpr double settled = 0.5;
+constexpr int most_moves = 4;
 
 struct FittedCurve {
     CampaignCurve curve;
@@ -101,6 +105,37 @@ FittedModel anchored(const StudiedModel& model, const std::vector<RunRecord>& ru
     return out;
 }
 
+/// By how much a move changes the model's curves, in units of the noise of the comparison.
+double size_of_move(const FittedModel& model, const VectorXd& from, const VectorXd& to) {
+    const VectorXd change = model.curve(to, nullptr) - model.curve(from, nullptr);
+    return std::sqrt(std::max(0.0, change.dot(model.noise.ldlt().solve(change))));
+}
+
+/// Moves the estimate to where the model, held to direct runs, is most probable. The direct runs teach the
+/// emulator, and with them the posterior is made anew: what is left of the residuals is then the model's
+/// fault, not the emulator's.
+void settle(StudiedModel& model, std::vector<RunRecord>& runs) {
+    Calibration& c = model.calibration;
+    const Settings& settings = model.settings();
+    model.direct = c.confirmation;
+    model.estimate = c.fit.estimate;
+    for (int move = 0; move < most_moves; ++move) {
+        const FittedModel now = anchored(model, model.direct, model.estimate);
+        const VectorXd next = most_probable(now, {}, model.estimate);
+        if (move > 0 && size_of_move(now, model.estimate, next) < settled) break;
+        if (move > 0) {
+            runs.insert(runs.end(), model.direct.begin(), model.direct.end());
+            c.trained.emplace(
+                train_emulator(runs, model.campaign.space(), c.columns, c.trained->transforms, settings));
+        }
+        model.estimate = next;
+        model.direct = direct_runs(model.campaign, model.campaign.space().physical(model.estimate),
+                                   diagnosis_round + static_cast<std::uint64_t>(move),
+                                   settings.diagnosis.packings, "diagnosis: ");
+        if (move > 0) c.fit = fit(*c.trained, model.campaign.space(), model.observation, settings);
+    }
+}
+
 }  // namespace
 
 VectorXd transformed(const StudiedModel& model, const VectorXd& outputs) {
@@ -161,10 +196,7 @@ std::unique_ptr<StudiedModel> study_model(const Settings& settings, const lab_da
     c = calibrate(model->campaign, runs);
     std::vector<Index> columns;
     model->observation = observation_of(model->campaign, columns);
-    const FittedModel first = anchored(*model, c.confirmation, c.fit.estimate);
-    model->estimate = most_probable(first, {}, c.fit.estimate);
-    model->direct = direct_runs(model->campaign, model->campaign.space().physical(model->estimate),
-                                diagnosis_round, settings.diagnosis.packings, "diagnosis: ");
+    settle(*model, runs);
     model->simulated = mean_outputs(model->direct);
     model->fitted = anchored(*model, model->direct, model->estimate);
     model->linear = linearised(model->fitted, model->estimate);

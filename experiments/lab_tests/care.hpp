@@ -6,7 +6,7 @@
 namespace loam::experiments {
 
 /// Rigid or strongly dilating specimens lose and gain stress faster than a servo follows: where the stress is
-/// missed by more than three quarters of what is tolerable (1 % on average), lately, the test is slowed down,
+/// missed by more than two thirds of what is tolerable (1 % on average), lately, the test is slowed down,
 /// to a tenth at the least.
 class Care {
   public:
@@ -17,8 +17,8 @@ class Care {
     void look(double error) {
         constexpr double tolerable = 0.01, memory = 100, least = 0.1;
         recent_ += (error - recent_) / memory;
-        if (recent_ > 0.75 * tolerable) factor_ = std::max(least, 0.98 * factor_);
-        if (recent_ < 0.6 * tolerable) factor_ = std::min(1.0, 1.01 * factor_);
+        if (recent_ > 0.65 * tolerable) factor_ = std::max(least, 0.98 * factor_);
+        if (recent_ < 0.5 * tolerable) factor_ = std::min(1.0, 1.01 * factor_);
     }
 
   private:

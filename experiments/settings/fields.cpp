@@ -132,7 +132,7 @@ const std::array table{
     Field{"engine", "density_scaling", [](Settings& s) -> Slot { return &s.engine.density_scaling; },
           "small particles are as heavy as the mean one's time step demands"},
     Field{"engine", "time_step_safety", [](Settings& s) -> Slot { return &s.engine.time_step_safety; },
-          "time step over the critical (p-wave) one, 1", up_to_one},
+          "time step over the longest that is stable, 1", up_to_one},
     Field{"engine", "inertial_number", [](Settings& s) -> Slot { return &s.engine.inertial_number; },
           "target while loading, 1: sets the strain rate", {.lower = 0, .upper = 0.1, .open_lower = true}},
     Field{"engine", "haste", [](Settings& s) -> Slot { return &s.engine.haste; },

@@ -30,7 +30,7 @@ struct Prior {
 struct EngineSettings {
     double damping = 0.4;             // Cundall's local damping, 0..1
     bool density_scaling = true;      // small particles as heavy as the mean one's time step demands
-    double time_step_safety = 0.85;   // fraction of the critical (p-wave) time step
+    double time_step_safety = 0.85;   // share of the time step that is still stable
     double inertial_number = 3.5e-4;  // target while loading: sets the strain rate
     double haste = 1;                 // rates of loading over the careful ones
     bool fragile = true;              // a cohesive bond, once broken, does not heal

@@ -11,7 +11,7 @@ TEST(YadeReferenceTriaxial, TheSamePackingGivesTheSameCurve) {
     for (const YadeTriaxialCase& soil : yade_triaxial_cases()) {
         if (std::string(soil.name) != "free") continue;
         const TriaxialCurve reference = read_yade_triaxial(soil.name, packing);
-        const TriaxialCurve ours = simulate_yade_triaxial(soil, packing, 0.04);
+        const TriaxialCurve ours = simulate_yade_triaxial(soil, packing, 0.04, soil.time_step_safety);
         EXPECT_NEAR(ours.initial_slope() / reference.initial_slope(), 1, 0.10);
         EXPECT_NEAR(ours.mean_stress(0.02, 0.04) / reference.mean_stress(0.02, 0.04), 1, 0.05);
         for (const double strain : {0.002, 0.005, 0.01, 0.02, 0.04})

@@ -105,14 +105,14 @@ inline TriaxialCurve read_yade_triaxial(const std::string& name, int packing) {
 }
 
 /// The same test with this engine: isotropic 100 kPa, then 0.03 /s.
-inline TriaxialCurve simulate_yade_triaxial(const YadeTriaxialCase& soil, int packing,
-                                            double largest_strain) {
+inline TriaxialCurve simulate_yade_triaxial(const YadeTriaxialCase& soil, int packing, double largest_strain,
+                                            double time_step_safety) {
     TriaxialOptions options;
     options.strain_rate = 0.03;
     for (double strain = 0; strain < largest_strain + 1e-9; strain += 5e-4) options.strains.push_back(strain);
     engine::SimulationOptions how;
     how.free_rotation = soil.free_rotation;
-    how.time_step_safety = soil.time_step_safety;
+    how.time_step_safety = time_step_safety;
     engine::Simulation simulation(load_packing(yade_folder() + "packing_" + std::to_string(packing) + ".csv"),
                                   soil.law, how);
     const TriaxialResult run = run_triaxial(simulation, soil.law, options);

@@ -206,6 +206,32 @@ TEST(CurveEmulator, CopesWithFewRunsManyOutputsAndStillOnes) {
     EXPECT_GT(single.predict(VectorXd::Constant(3, 0.5)).noise_covariance(0, 0), 0);
 }
 
+// Two inputs whose curves are nearly of one shape, and few, noisy runs: the difference of the shapes is
+// hardly more than noise is between so many outputs, but without it the inputs cannot be told apart.
+TEST(CurveEmulator, TellsInputsApartWhoseCurvesAreAlike) {
+    constexpr Index n = 45, m = 24;
+    const MatrixXd inputs = maximin_latin_hypercube(n, 2, 21);
+    const Eigen::ArrayXd s = Eigen::ArrayXd::LinSpaced(m, 0.05, 1);
+    const VectorXd first = 3 * s, second = 2 * s + 0.4 * (6 * s).cos();
+    const double truth = first.dot(second) / first.norm() / second.norm();
+    int told_apart = 0;
+    for (const std::uint64_t seed : {22, 23, 24, 25, 26}) {
+        optimizers::Random random(seed);
+        MatrixXd outputs(n, m);
+        for (Index i = 0; i < n; ++i) {
+            outputs.row(i) = (inputs(i, 0) - 0.5) * first + (inputs(i, 1) - 0.5) * second;
+            for (Index k = 0; k < m; ++k) outputs(i, k) += 0.2 * random.normal();
+        }
+        const auto emulator = CurveEmulator::fit(inputs, outputs);
+        ASSERT_GE(emulator.components(), 2);
+        MatrixXd slope;
+        emulator.predict_mean(VectorXd::Constant(2, 0.5), &slope);
+        const double cosine = slope.col(0).dot(slope.col(1)) / slope.col(0).norm() / slope.col(1).norm();
+        told_apart += std::abs(cosine - truth) < 0.02 ? 1 : 0;
+    }
+    EXPECT_GE(told_apart, 4);
+}
+
 TEST(CurveEmulator, ReproducesCurvesWithoutNoise) {
     const Truth truth;
     const MatrixXd inputs = design(80, 0, 13);

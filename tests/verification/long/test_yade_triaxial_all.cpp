@@ -1,6 +1,8 @@
 // Drained triaxial tests to 20 % on three packings, beside another DEM code (data/yade/README.md).
 // Tolerances, of the means over the packings: mean deviatoric stress over 2-20 % axial strain within 5 %,
-// initial slope (to half the peak) within 10 %, volumetric strain at every strain within 4e-3.
+// initial slope (to half the peak) within 10 %, volumetric strain at every strain within 4e-3. Sheared
+// packings are chaotic (another time step alone moves the volumetric strain by 2e-3): this engine's curves
+// are means over several time steps, the other code's are single.
 #include <array>
 #include <iostream>
 
@@ -14,19 +16,24 @@ class YadeReferenceTriaxial : public testing::TestWithParam<YadeTriaxialCase> {}
 TEST_P(YadeReferenceTriaxial, SamePackingsGiveTheSameCurvesOnAverage) {
     const YadeTriaxialCase& soil = GetParam();
     const std::array packings{5, 6, 7};
+    const std::array shares{1.0, 0.9, 0.8, 0.7};  // of the time step
+    constexpr double runs = packings.size() * shares.size();
     double stress = 0, slope = 0, reference_stress = 0, reference_slope = 0;
     std::vector<double> difference(100, 0.0);  // of the volumetric strain, at 0.2 % .. 20 %
     for (const int packing : packings) {
         const TriaxialCurve reference = read_yade_triaxial(soil.name, packing);
-        const TriaxialCurve ours = simulate_yade_triaxial(soil, packing, 0.2);
-        stress += ours.mean_stress(0.02, 0.2);
-        reference_stress += reference.mean_stress(0.02, 0.2);
-        slope += ours.initial_slope();
-        reference_slope += reference.initial_slope();
-        for (std::size_t k = 0; k < difference.size(); ++k) {
-            const double strain = 0.002 * static_cast<double>(k + 1);
-            difference[k] += (ours.at(ours.volumetric, strain) - reference.at(reference.volumetric, strain)) /
-                             static_cast<double>(packings.size());
+        reference_stress += reference.mean_stress(0.02, 0.2) / packings.size();
+        reference_slope += reference.initial_slope() / packings.size();
+        for (const double share : shares) {
+            const TriaxialCurve ours =
+                simulate_yade_triaxial(soil, packing, 0.2, share * soil.time_step_safety);
+            stress += ours.mean_stress(0.02, 0.2) / runs;
+            slope += ours.initial_slope() / runs;
+            for (std::size_t k = 0; k < difference.size(); ++k) {
+                const double strain = 0.002 * static_cast<double>(k + 1);
+                difference[k] +=
+                    (ours.at(ours.volumetric, strain) - reference.at(reference.volumetric, strain)) / runs;
+            }
         }
     }
     double largest = 0;
