@@ -88,7 +88,7 @@ class Densification {
 SimulationOptions preparation() {
     SimulationOptions how;
     how.grain_density = preparation_density;
-    how.neighbour_skin = 0.1;  // particles move far here
+    how.neighbour_skin = 0.2;  // particles move far here
     return how;
 }
 

@@ -23,7 +23,7 @@ struct SimulationOptions {
     // set it: harmless where motion is quasi-static.
     bool density_scaling = false;
     double time_step_safety = 0.7;  // over the p-wave estimate min R sqrt(rho/E)
-    double neighbour_skin = 0.06;   // gap over R_i + R_j up to which a pair is listed
+    double neighbour_skin = 0.13;   // gap over R_i + R_j up to which a pair is listed
     // Overlap over R_i + R_j that the time step of Hertzian contacts is made for; 0: follows the packing.
     double largest_overlap = 0;
     int threads = 1;              // over large packings; the result is the same whatever their number

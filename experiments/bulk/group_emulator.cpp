@@ -17,7 +17,6 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr Index library_points = 8192;
 constexpr Index fewest_readings = 2;
 constexpr double within_reach = 3;  // a run informs about samples within this factor of strain
 constexpr Index enough_runs = 250;  // below this number none is left out for its distance
@@ -72,17 +71,16 @@ surrogate::CurveEmulator train(const SharedEnsemble& ensemble, const std::vector
     return surrogate::CurveEmulator::fit(inputs, outputs, options);
 }
 
-void make_library(const SharedEnsemble& ensemble, const Settings& settings, GroupEmulator& group) {
+void make_library(const SharedEnsemble& ensemble, const Settings& settings, Index points,
+                  GroupEmulator& group) {
     const Index d = ensemble.space().dimension(), n = ensemble.inputs();
-    const MatrixXd u =
-        surrogate::sobol_sequence(library_points, d + 2, {.seed = run_seed(settings.seed, 0, 31)});
+    const MatrixXd u = surrogate::sobol_sequence(points, d + 2, {.seed = run_seed(settings.seed, 0, 31)});
     const MatrixXd x = ensemble.space().from_probabilities(u.leftCols(d));
-    group.library.resize(d + 1, library_points);
+    group.library.resize(d + 1, points);
     group.library.topRows(d) = x.transpose();
-    for (Index k = 0; k < library_points; ++k)
-        group.library(d, k) = strain_misfit_prior().quantile_unit(u(k, d));
+    for (Index k = 0; k < points; ++k) group.library(d, k) = strain_misfit_prior().quantile_unit(u(k, d));
     group.library_void_ratio = u.col(d + 1);
-    MatrixXd inputs(library_points, n);
+    MatrixXd inputs(points, n);
     inputs.leftCols(d) = x;
     if (n > d) inputs.col(d) = group.library_void_ratio;
     group.emulator.predict_components(inputs, group.library_mean, group.library_variance);
@@ -128,7 +126,8 @@ std::vector<BulkSample> bulk_samples(const SharedEnsemble& ensemble, const lab_d
 }
 
 GroupEmulators::GroupEmulators(const SharedEnsemble& ensemble, const std::vector<RunRecord>& runs,
-                               const std::vector<BulkSample>& samples, const Settings& settings) {
+                               const std::vector<BulkSample>& samples, const Settings& settings,
+                               Index points) {
     for (const BulkSample& sample : samples) {
         const auto is_of = [](const BulkSample& s, double scale, Index stages) {
             return s.transform.scale == scale && s.stages() == stages;
@@ -149,7 +148,7 @@ GroupEmulators::GroupEmulators(const SharedEnsemble& ensemble, const std::vector
                            {},
                            {},
                            {}});
-        make_library(ensemble, settings, groups_.back());
+        make_library(ensemble, settings, points, groups_.back());
     }
 }
 

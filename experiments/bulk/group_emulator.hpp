@@ -46,9 +46,11 @@ struct GroupEmulator {
 
 class GroupEmulators {
   public:
-    /// Trains what the samples need. Throws std::runtime_error when too few runs succeeded.
+    /// Trains what the samples need, with so many points in each library. Throws std::runtime_error when too
+    /// few runs succeeded.
     GroupEmulators(const SharedEnsemble& ensemble, const std::vector<RunRecord>& runs,
-                   const std::vector<BulkSample>& samples, const Settings& settings);
+                   const std::vector<BulkSample>& samples, const Settings& settings,
+                   Eigen::Index points = 8192);
 
     const GroupEmulator& of(const BulkSample& sample) const;
     const std::vector<GroupEmulator>& all() const { return groups_; }

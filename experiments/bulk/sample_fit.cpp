@@ -41,6 +41,11 @@ class SampleLikelihood {
         residual_ = target - w * emulator.offset();
     }
 
+    /// From now on errors are additive in strain, not in its transform. Both covariances are the same, taken
+    /// at the measured strain; in the transform, that lets a curve pass farther above its readings than
+    /// below.
+    void compare_strains() { strains_ = true; }
+
     /// From now on as if the emulator left the same variance open [q] at every set: a search is then not
     /// drawn to where the emulator knows nothing and so excludes nothing.
     void hold_open(VectorXd open) { open_ = std::move(open); }
@@ -62,7 +67,8 @@ class SampleLikelihood {
         const double scale = group_.emulator.noise().scale(inputs(theta));
         const Eigen::LLT<MatrixXd> factor(covariance(theta, variance, scale));
         if (factor.info() != Eigen::Success) return -INFINITY;
-        const VectorXd white = factor.matrixL().solve(residual_ - loadings_ * mean - scale * large_specimen_);
+        const VectorXd white =
+            factor.matrixL().solve(misses(residual_ - loadings_ * mean - scale * large_specimen_));
         double log_root = 0;
         for (Index k = 0; k < white.size(); ++k) log_root += std::log(factor.matrixLLT()(k, k));
         return -0.5 * white.squaredNorm() - log_root;
@@ -150,11 +156,14 @@ class SampleLikelihood {
         const VectorXd mean =
             sample_.interpolation * group_.emulator.predict_mean(at, jacobian ? &slope : nullptr);
         out.resize(m + d);
-        out.head(m) = factor.matrixL().solve(residual_ + sample_.interpolation * group_.emulator.offset() -
-                                             mean - group_.emulator.noise().scale(at) * large_specimen_);
+        const VectorXd difference = residual_ + sample_.interpolation * group_.emulator.offset() - mean -
+                                    group_.emulator.noise().scale(at) * large_specimen_;
+        out.head(m) = factor.matrixL().solve(misses(difference));
         if (jacobian) {
+            MatrixXd change = sample_.interpolation * slope.leftCols(d);
+            if (strains_) change = (-difference).array().exp().matrix().asDiagonal() * change;
             jacobian->setZero(m + d, d);
-            jacobian->topRows(m) = -factor.matrixL().solve(sample_.interpolation * slope.leftCols(d));
+            jacobian->topRows(m) = -factor.matrixL().solve(change);
         }
         prior_residuals(space_, x, m, out, jacobian);
     }
@@ -170,6 +179,15 @@ class SampleLikelihood {
     }
 
   private:
+    /// Of measured minus simulated on the transformed scale: the same, or that of the strains over the
+    /// transform's slope at the measured one.
+    VectorXd misses(const VectorXd& difference) const {
+        if (!strains_) return difference;
+        VectorXd out = difference;
+        for (double& d : out) d = -std::expm1(-d);
+        return out;
+    }
+
     bool has_void_ratio() const {
         return group_.emulator.processes().front().data().inputs.cols() > parameters();
     }
@@ -195,6 +213,7 @@ class SampleLikelihood {
     MatrixXd loadings_, noise_;           // at the sample's readings
     VectorXd large_specimen_, residual_;  // residual_: measured minus the emulator's offset
     std::optional<VectorXd> open_;        // [q]
+    bool strains_ = false;
 };
 
 /// Least squares from theta with the covariance held at it, and the misfit, in turns as long as that gains.
@@ -284,6 +303,7 @@ SampleFit fit_sample(const BulkSample& sample, const GroupEmulator& group, const
     options.seed = seed;
     const optimizers::WeightedDraws posterior = sample_posterior_of(likelihood, group, options);
     SampleLikelihood representative(sample, group, space, 0);
+    representative.compare_strains();
     const MatrixXd tried = posterior.resampled(tried_draws).transpose();
     representative.hold_open(representative.mean_open(tried).cwiseMin(group.typical_variance));
     const VectorXd theta = search(representative, tried);

@@ -57,6 +57,7 @@ class SharedEnsemble {
   private:
     void choose_void_ratio(const Settings& settings, const lab_data::DataSet& set);
     void make_reference(const lab_data::DataSet& set);
+    std::vector<RunRecord> run_stiffest_first(const char* title, const std::vector<RunSpec>& specs);
     RunSpec training_spec(std::uint64_t index, const char* purpose, Eigen::VectorXd parameters) const;
 
     StageSet stages_;

@@ -23,8 +23,9 @@ using Eigen::Index;
 constexpr std::uint64_t design_stream = 33;
 // Of the training runs: those spread over the prior, which cost the most and teach the least, and those that
 // the emulators of the first ones place; the rest is placed by the emulators of both.
-constexpr double first_share = 0.1, second_share = 0.3;
-constexpr Index mending_runs = 8;  // for each sample that its emulator misled
+constexpr double first_share = 0.045, second_share = 0.3;
+constexpr Index placing_points = 4096;  // of the prior, among which runs are placed
+constexpr Index mending_runs = 8;       // for each sample that its emulator misled
 constexpr std::size_t most_mended = 100;
 
 /// Points [count x d] where the samples' posteriors lie by the emulators of the runs so far: the prior is
@@ -33,7 +34,7 @@ Eigen::MatrixXd likely_design(const SharedEnsemble& ensemble, const Settings& se
                               const std::vector<RunRecord>& runs, const std::vector<BulkSample>& samples,
                               Index count, std::uint64_t place) {
     Eigen::MatrixXd points(count, ensemble.space().dimension());
-    const GroupEmulators emulators(ensemble, runs, samples, settings);
+    const GroupEmulators emulators(ensemble, runs, samples, settings, placing_points);
     const auto n = static_cast<Index>(samples.size());
     const Index each = (count + n - 1) / n;
 #pragma omp parallel for schedule(dynamic) \
@@ -120,7 +121,8 @@ BulkStudy run_study(SharedEnsemble& ensemble, const lab_data::DataSet& set, cons
         outcome.reason = std::get<lab_data::UserError>(set.rows[row].test).what();
     }
     const bool kriging = settings.method == "inverse-kriging";
-    const Index least = fewest_training_runs(static_cast<int>(ensemble.inputs()));
+    // Some of the first runs may fail, and the rest must still make an emulator.
+    const Index least = fewest_training_runs(static_cast<int>(ensemble.inputs())) * 5 / 4;
     const Index first = std::min<Index>(
         settings.runs,
         std::max<Index>(least, kriging ? settings.runs : std::llround(first_share * settings.runs)));

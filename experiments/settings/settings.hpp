@@ -82,7 +82,7 @@ struct BulkSettings {
     std::string void_ratio = "auto";  // as an input of the emulator: auto | on | off
     std::string paired_by;            // covariate that pairs samples of different groups; empty: none
     int stages = 12;                  // most stages of the shared ensemble
-    int confirmation_packings = 4;    // fresh packings for each sample's direct runs
+    int confirmation_packings = 3;    // fresh packings for each sample's direct runs
     int posterior_draws = 600;        // in the last round of sampling each posterior
     int mending_rounds = 2;  // of more runs and a new fit for samples whose emulator direct runs show wrong
     bool operator==(const BulkSettings&) const = default;
