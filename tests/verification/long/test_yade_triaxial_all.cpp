@@ -16,7 +16,7 @@ class YadeReferenceTriaxial : public testing::TestWithParam<YadeTriaxialCase> {}
 TEST_P(YadeReferenceTriaxial, SamePackingsGiveTheSameCurvesOnAverage) {
     const YadeTriaxialCase& soil = GetParam();
     const std::array packings{5, 6, 7};
-    const std::array shares{1.0, 0.9, 0.8, 0.7};  // of the time step
+    const std::array shares{0.82, 0.77, 0.72, 0.67};  // of the time step: the other code's, and less
     constexpr double runs = packings.size() * shares.size();
     double stress = 0, slope = 0, reference_stress = 0, reference_slope = 0;
     std::vector<double> difference(100, 0.0);  // of the volumetric strain, at 0.2 % .. 20 %
