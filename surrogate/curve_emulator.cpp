@@ -109,13 +109,11 @@ Index allowed(Index wanted, const CurveEmulatorOptions& options, const Replicate
     return std::clamp<Index>(wanted, 1, std::min<Index>(options.max_components, groups.size() - 2));
 }
 
-// Components of whitened curves that vary more than noise usually lets a component. Of m outputs and n inputs
-// noise alone gives variances of up to (1 + sqrt(m/n))^2; a signal that is hardly larger is spread over the
-// components below, down to about 1 + sqrt(m/n) (Baik, Ben Arous and Peche 2005), and a process knows noise
-// when it sees it. With fewer components than inputs, inputs could not be told apart.
+// Components of whitened curves that vary more than noise alone lets the first of them; but as many as there
+// are inputs, for with fewer these could not be told apart, and a process knows noise when it sees it.
 Index above_noise(const CurveBasis& basis, const Data& data) {
     const double ratio = static_cast<double>(basis.offset.size()) / static_cast<double>(data.groups.size());
-    const Index above = (basis.score_variance.array() > 1 + std::sqrt(ratio)).count();
+    const Index above = (basis.score_variance.array() > std::pow(1 + std::sqrt(ratio), 2)).count();
     return std::max(above, std::min(data.inputs.cols(), basis.score_variance.size()));
 }
 
