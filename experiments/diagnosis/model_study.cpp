@@ -111,29 +111,30 @@ double size_of_move(const FittedModel& model, const VectorXd& from, const Vector
     return std::sqrt(std::max(0.0, change.dot(model.noise.ldlt().solve(change))));
 }
 
-/// Moves the estimate to where the model, held to direct runs, is most probable. The direct runs teach the
-/// emulator, and with them the posterior is made anew: what is left of the residuals is then the model's
-/// fault, not the emulator's.
+/// Moves the estimate to where the model, held to direct runs, is most probable. The direct runs at all but
+/// the last place teach the emulator, and with them the posterior is made anew: what is left of the residuals
+/// is then the model's fault, not the emulator's.
 void settle(StudiedModel& model, std::vector<RunRecord>& runs) {
     Calibration& c = model.calibration;
     const Settings& settings = model.settings();
     model.direct = c.confirmation;
     model.estimate = c.fit.estimate;
-    for (int move = 0; move < most_moves; ++move) {
+    int moves = 0;
+    for (; moves < most_moves; ++moves) {
         const FittedModel now = anchored(model, model.direct, model.estimate);
         const VectorXd next = most_probable(now, {}, model.estimate);
-        if (move > 0 && size_of_move(now, model.estimate, next) < settled) break;
-        if (move > 0) {
+        if (moves > 0) {
+            if (size_of_move(now, model.estimate, next) < settled) break;
             runs.insert(runs.end(), model.direct.begin(), model.direct.end());
             c.trained.emplace(
                 train_emulator(runs, model.campaign.space(), c.columns, c.trained->transforms, settings));
         }
         model.estimate = next;
-        model.direct = direct_runs(model.campaign, model.campaign.space().physical(model.estimate),
-                                   diagnosis_round + static_cast<std::uint64_t>(move),
+        model.direct = direct_runs(model.campaign, model.campaign.space().physical(next),
+                                   diagnosis_round + static_cast<std::uint64_t>(moves),
                                    settings.diagnosis.packings, "diagnosis: ");
-        if (move > 0) c.fit = fit(*c.trained, model.campaign.space(), model.observation, settings);
     }
+    if (moves > 1) c.fit = fit(*c.trained, model.campaign.space(), model.observation, settings);
 }
 
 }  // namespace
