@@ -49,7 +49,9 @@ Eigen::MatrixXd likely_design(const SharedEnsemble& ensemble, const Settings& se
             mine = likely_points(sample, group, ensemble.space(), each, seed);
         } catch (const std::runtime_error&) {
             // A curve that no parameters give has no posterior; its runs go where the prior lies.
-            mine = group.library.topLeftCorner(points.cols(), each).transpose();
+            mine.resize(each, points.cols());
+            for (Index j = 0; j < each; ++j)
+                mine.row(j) = group.library.col(j % group.library.cols()).head(points.cols()).transpose();
         }
         for (Index j = 0; j < each; ++j)
             if (const Index at = j * std::min(n, count) + k; at < count) points.row(at) = mine.row(j);
