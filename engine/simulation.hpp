@@ -22,7 +22,7 @@ struct SimulationOptions {
     // Makes particles smaller than the mean as heavy as its time step demands, so that the smallest does not
     // set it: harmless where motion is quasi-static.
     bool density_scaling = false;
-    double time_step_safety = 0.7;  // over the p-wave estimate min R sqrt(rho/E)
+    double time_step_safety = 0.7;  // over min R sqrt(rho/E), E as the law needs it (composition.hpp)
     double neighbour_skin = 0.13;   // gap over R_i + R_j up to which a pair is listed
     // Overlap over R_i + R_j that the time step of Hertzian contacts is made for; 0: follows the packing.
     double largest_overlap = 0;

@@ -196,7 +196,8 @@ double wave_modulus(const ContactLaw& law, const Composition& composition, doubl
     if (n.hertzian_share > 0) modulus *= std::max(1.0, stiffness_over_linear(n, linear, overlap));
     // Of the springs at a sphere the shear ones act along two directions of three and, where it turns, on its
     // spin: k_t R² + k_r = k_t R² (1 + k_r/(k_t R²)) at each contact, against 0.4 m R². The factors were
-    // found where packings cease to come to rest (ratios 0.05 to 1, 3 to 11.5 contacts a sphere).
+    // found where packings of linear springs cease to come to rest (ratios 0.05 to 1, 3 to 11.5 contacts a
+    // sphere).
     const double ratio = n.stiffness_ratio > 0 ? n.stiffness_ratio : n.shear_modulus / n.normal_modulus;
     const double moving = modulus * (0.4 + 0.6 * ratio),
                  turning = turns ? modulus * 1.8 * ratio * (1 + n.rolling_stiffness) : 0.0;

@@ -143,7 +143,7 @@ TEST_P(Balance, ErrorFallsWithTheSquareOfTheTimeStep) {
 }
 
 TEST_P(Balance, TheEnginesOwnBookkeepingClosesToo) {
-    // It adds half a step of kinetic energy to the error of the run itself, 7e-4 at a time step of 0.6.
+    // It adds half a step of kinetic energy to the error of the run itself.
     for (const auto& [safety, tolerance] :
          {std::pair{0.6, 2e-3}, std::pair{0.3, 6e-4}, std::pair{0.02, 1e-5}}) {
         const Books books = keep_books(law_with(0.31, 0), GetParam(), 1e-5, safety, 400);
