@@ -88,8 +88,11 @@ inline std::string yade_folder() {
     return std::string(LOAM_SOURCE_DIR) + "/tests/verification/data/yade/";
 }
 
-inline TriaxialCurve read_yade_triaxial(const std::string& name, int packing) {
-    std::ifstream file(yade_folder() + "triaxial_" + name + "_" + std::to_string(packing) + ".csv");
+/// `time_step`: of a curve with another time step than the case's, as its file's name says it.
+inline TriaxialCurve read_yade_triaxial(const std::string& name, int packing,
+                                        const std::string& time_step = "") {
+    std::ifstream file(yade_folder() + "triaxial_" + name + "_" + std::to_string(packing) + time_step +
+                       ".csv");
     EXPECT_TRUE(file) << name;
     TriaxialCurve curve;
     std::string line;

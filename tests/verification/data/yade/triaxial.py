@@ -1,5 +1,6 @@
-# Makes triaxial_CASE_N.csv for the cases blocked and rolling (README.md) with YADE 2023.02a:
-#   yade -n -x triaxial.py CASE N
+# Makes triaxial_CASE_N.csv for the cases blocked, rolling and free (README.md) with YADE 2023.02a:
+#   yade -n -x triaxial.py CASE N [SHARE]
+# With SHARE, the time step over the p-wave estimate, it makes triaxial_CASE_N_SHARE.csv.
 # (`yade` gives the names that are not imported.) packing_N.csv, in the folder of this script, is consolidated to
 # 100 kPa with the contact parameters of the case,
 # then compressed along z at 0.03 /s to 20 % with the lateral stress held.
@@ -9,7 +10,7 @@ import sys
 
 import numpy as np
 case, number = sys.argv[1], sys.argv[2]
-cases = {"blocked": (0.20, 0.0), "rolling": (0.46, 0.15)}  # friction angle (rad), rolling friction
+cases = {"blocked": (0.20, 0.0), "rolling": (0.46, 0.15), "free": (0.46, 0.0)}  # friction angle (rad), rolling friction
 friction_angle, rolling_friction = cases[case]
 folder = os.path.dirname(os.path.abspath(sys.argv[0]))
 packing = os.path.join(folder, f"packing_{number}.csv")
@@ -27,7 +28,7 @@ for x, y, z, r in np.loadtxt(packing, delimiter=",", skiprows=2):
 
 phase = "consolidation"
 height = volume = 1.0
-curve = open(os.path.join(folder, f"triaxial_{case}_{number}.csv"), "w")
+curve = open(os.path.join(folder, "_".join(["triaxial"] + sys.argv[1:]) + ".csv"), "w")
 curve.write("axial_strain,axial_stress_kPa,lateral_stress_kPa,volumetric_strain\n")
 
 
@@ -71,7 +72,8 @@ O.engines = [
     PyRunner(command="record()", iterPeriod=120),
 ]
 # Spins held by rolling springs oscillate faster than the spheres move: at 0.7 the packing never rests.
-O.dt = (0.4 if rolling_friction > 0 else 0.7) * utils.PWaveTimeStep()
-O.run(600000, True)
+share = float(sys.argv[3]) if len(sys.argv) > 3 else 0.4 if rolling_friction > 0 else 0.7
+O.dt = share * utils.PWaveTimeStep()
+O.run(900000, True)
 if phase != "over":
     sys.exit(f"{case} {number}: not finished, in {phase}")
