@@ -181,7 +181,6 @@ Campaign::Campaign(const Settings& settings, const lab_data::Sample& sample,
       grain_density_(settings.specimen.grain_density_kg_m3.value_or(
           sample.grain_density > 0 ? sample.grain_density : 2600.0)),
       measured_(sample.measured),
-      specimens_(settings_),
       store_(folder, make_header(settings, space_, tests_, grain_density_, options)),
       log_(log) {
     for (const CampaignTest& test : tests_) outputs_ += test.outputs();
@@ -213,7 +212,7 @@ std::shared_ptr<const Specimen> Campaign::specimen_of(const CampaignTest& test, 
     if (given_) return given_;
     const double porosity = porosity_of(test, spec);
     const SpecimenShape shape = test.kind->shape(settings_, *sample_, *test.test, porosity, spec.particles);
-    return specimens_.get(porosity, shape, spec.packing_seed, stop);
+    return specimen_pool().get(settings_.specimen, porosity, shape, spec.packing_seed, stop);
 }
 
 std::shared_ptr<const Specimen> Campaign::specimen(const CampaignTest& test, const RunSpec& spec) {

@@ -113,7 +113,6 @@ class Campaign {
     double grain_density_ = 0;
     bool measured_ = true;
     std::shared_ptr<const Specimen> given_;  // by the settings
-    SpecimenPool specimens_;
     EnsembleStore store_;
     RunLog* log_;
 };

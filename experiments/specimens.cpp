@@ -7,13 +7,14 @@
 #include "lab_data/packing_file.hpp"
 
 namespace loam::experiments {
+namespace {
 
-Specimen SpecimenPool::make(double porosity, const SpecimenShape& shape, std::uint64_t seed,
-                            const StopToken& stop) const {
+Specimen make(const SpecimenSettings& settings, double porosity, const SpecimenShape& shape,
+              std::uint64_t seed, const StopToken& stop) {
     engine::BoxedPackingOptions options;
     options.particles = shape.particles;
-    options.size_spread = settings_.specimen.size_spread;
-    options.stress = 1000 * settings_.specimen.preparation_stress_kPa;
+    options.size_spread = settings.size_spread;
+    options.stress = 1000 * settings.preparation_stress_kPa;
     // Beyond what spheres can reach, the nearest reachable packing is made; its porosity is reported.
     options.target_porosity = std::clamp(porosity, 0.06, 0.59);
     options.seed = seed;
@@ -27,9 +28,12 @@ Specimen SpecimenPool::make(double porosity, const SpecimenShape& shape, std::ui
     return {std::move(made.packing), made.box, made.porosity, made.reached, made.stopped_by};
 }
 
-std::shared_ptr<const Specimen> SpecimenPool::get(double porosity, const SpecimenShape& shape,
-                                                  std::uint64_t seed, const StopToken& stop) {
-    Key key{porosity, shape.particles, {}, seed};
+}  // namespace
+
+std::shared_ptr<const Specimen> SpecimenPool::get(const SpecimenSettings& settings, double porosity,
+                                                  const SpecimenShape& shape, std::uint64_t seed,
+                                                  const StopToken& stop) {
+    Key key{porosity, settings.size_spread, settings.preparation_stress_kPa, shape.particles, {}, seed};
     if (shape.proportions)
         for (int axis = 0; axis < 3; ++axis)
             key.proportions[static_cast<std::size_t>(axis)] = (*shape.proportions)[axis];
@@ -50,7 +54,7 @@ std::shared_ptr<const Specimen> SpecimenPool::get(double porosity, const Specime
     }
     if (!mine) return future.get();
     try {
-        promise.set_value(std::make_shared<const Specimen>(make(porosity, shape, seed, stop)));
+        promise.set_value(std::make_shared<const Specimen>(make(settings, porosity, shape, seed, stop)));
     } catch (...) {
         if (stop.stop_requested()) {
             promise.set_exception(std::make_exception_ptr(Interrupted()));
@@ -59,6 +63,11 @@ std::shared_ptr<const Specimen> SpecimenPool::get(double porosity, const Specime
         promise.set_exception(std::current_exception());
     }
     return future.get();
+}
+
+SpecimenPool& specimen_pool() {
+    static SpecimenPool pool;
+    return pool;
 }
 
 engine::Packing load_packing(const std::filesystem::path& file) {

@@ -1,4 +1,5 @@
-// Specimens: packings made once for each porosity, size and seed, however many runs and threads ask for them.
+// Specimens: packings made once for each porosity, size and seed, however many campaigns, runs and threads ask
+// for them.
 #pragma once
 
 #include <array>
@@ -17,16 +18,16 @@ namespace loam::experiments {
 
 class SpecimenPool {
   public:
-    explicit SpecimenPool(const Settings& settings) : settings_(settings) {}
-
-    /// The specimen of that porosity, shape and seed; made by the first thread that asks, awaited by the
-    /// others. Throws Interrupted, and what make_packing and make_boxed_packing throw.
-    std::shared_ptr<const Specimen> get(double porosity, const SpecimenShape& shape, std::uint64_t seed,
+    /// The specimen of that porosity, shape and seed, otherwise as the settings say; made by the first thread
+    /// that asks, awaited by the others. Throws Interrupted, and what make_packing and make_boxed_packing
+    /// throw.
+    std::shared_ptr<const Specimen> get(const SpecimenSettings& settings, double porosity,
+                                        const SpecimenShape& shape, std::uint64_t seed,
                                         const StopToken& stop);
 
   private:
     struct Key {
-        double porosity;
+        double porosity, size_spread, preparation_stress_kPa;
         std::uint32_t particles;
         std::array<double, 3> proportions;  // 0: periodic
         std::uint64_t seed;
@@ -34,16 +35,15 @@ class SpecimenPool {
     };
     using Made = std::shared_ptr<const Specimen>;
 
-    Specimen make(double porosity, const SpecimenShape& shape, std::uint64_t seed,
-                  const StopToken& stop) const;
-
     static constexpr std::size_t most_kept = 1024;
 
-    const Settings& settings_;
     std::mutex mutex_;
     std::map<Key, std::shared_future<Made>> made_;
     std::deque<Key> order_;  // of being made: beyond most_kept the oldest is forgotten
 };
+
+/// The program's.
+SpecimenPool& specimen_pool();
 
 /// The packing of a file (lab_data/packing_file.hpp), for the engine. Throws UserError.
 engine::Packing load_packing(const std::filesystem::path& file);

@@ -51,7 +51,7 @@ int bench_rate(const Settings& settings) {
     Eigen::MatrixXd u = surrogate::sobol_sequence(soils, space.dimension(), {.seed = settings.seed});
     u = (0.1 + 0.8 * u.array()).matrix();
     const Eigen::MatrixXd x = space.from_probabilities(u);
-    SpecimenPool pool(settings);
+    SpecimenPool& pool = specimen_pool();
     const auto stages = static_cast<Eigen::Index>(test.size());
     Eigen::VectorXd change = Eigen::VectorXd::Zero(stages), size = change, squares = change, runs = change;
     const int total = static_cast<int>(soils * static_cast<Eigen::Index>(packings));
@@ -59,8 +59,8 @@ int bench_rate(const Settings& settings) {
 #pragma omp parallel for schedule(dynamic)
     for (int k = 0; k < total; ++k) {
         const auto at = static_cast<std::size_t>(k);
-        const auto specimen =
-            pool.get(0.47, {static_cast<std::uint32_t>(settings.particles)}, 1 + at % packings, {});
+        const auto specimen = pool.get(
+            settings.specimen, 0.47, {static_cast<std::uint32_t>(settings.particles)}, 1 + at % packings, {});
         const engine::ContactLaw law =
             contact_law(settings, space.physical(x.row(k / static_cast<int>(packings)).transpose()));
         full[at] = run_at(specimen->packing, law, 1, settings, test);
