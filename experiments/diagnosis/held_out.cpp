@@ -40,13 +40,23 @@ HeldOutScore score(const FittedModel& model, const HeldOutGroup& group, const Ve
             (error.array().square() / noise.diagonal().array()).sum(), error.size()};
 }
 
-double gap_of(const std::vector<HeldOutScore>& scores, const std::vector<std::size_t>& drawn) {
+double mean_square(const std::vector<HeldOutScore>& scores, const std::vector<std::size_t>& drawn) {
     double squares = 0, count = 0;
     for (const std::size_t k : drawn) {
         squares += scores[k].squares;
         count += static_cast<double>(scores[k].outputs);
     }
-    return count > 0 ? std::sqrt(squares / count) : 0.0;
+    return count > 0 ? squares / count : 0.0;
+}
+
+double gap_of(const std::vector<HeldOutScore>& scores, const std::vector<std::size_t>& drawn) {
+    return std::sqrt(std::max(0.0, mean_square(scores, drawn) - 1));
+}
+
+std::vector<std::size_t> all_of(const std::vector<HeldOutScore>& scores) {
+    std::vector<std::size_t> out(scores.size());
+    std::iota(out.begin(), out.end(), std::size_t{0});
+    return out;
 }
 
 double sorted_quantile(std::vector<double>& values, double q) {
@@ -96,10 +106,17 @@ std::vector<HeldOutScore> predict_held_out(const FittedModel& model, const std::
     return out;
 }
 
+double error_over_noise(const std::vector<HeldOutScore>& scores) {
+    return std::sqrt(mean_square(scores, all_of(scores)));
+}
+
 double gap(const std::vector<HeldOutScore>& scores) {
-    std::vector<std::size_t> all(scores.size());
-    std::iota(all.begin(), all.end(), std::size_t{0});
-    return gap_of(scores, all);
+    return gap_of(scores, all_of(scores));
+}
+
+double shrink_of(double before, double after) {
+    // A gap that was none cannot have grown by more than all of itself.
+    return before > 0 ? std::max(-1.0, 1 - after / before) : after > 0 ? -1 : 0;
 }
 
 GapInterval gap_interval(const std::vector<HeldOutScore>& before, const std::vector<HeldOutScore>& after,
@@ -112,7 +129,7 @@ GapInterval gap_interval(const std::vector<HeldOutScore>& before, const std::vec
             at = static_cast<std::size_t>(random.index(static_cast<std::int64_t>(before.size())));
         old[k] = gap_of(before, drawn);
         now[k] = gap_of(after, drawn);
-        shrink[k] = 1 - now[k] / old[k];
+        shrink[k] = shrink_of(old[k], now[k]);
     }
     return {sorted_quantile(old, 0.05), sorted_quantile(old, 0.95),    sorted_quantile(now, 0.05),
             sorted_quantile(now, 0.95), sorted_quantile(shrink, 0.05), sorted_quantile(shrink, 0.95)};

@@ -46,9 +46,16 @@ std::vector<HeldOutScore> predict_held_out(const FittedModel& model, const std::
                                            const Eigen::VectorXd& start);
 
 /// Root of the mean square of all groups' errors over their noise: 1 where noise alone is left.
+double error_over_noise(const std::vector<HeldOutScore>& scores);
+
+/// What the errors are beyond noise, in units of noise: root of the mean square less 1; 0 where noise alone
+/// is left.
 double gap(const std::vector<HeldOutScore>& scores);
 
-/// 5 and 95 % quantiles of 1 - gap(after) / gap(before), or of each gap, over groups drawn with replacement.
+/// By which share a gap has become smaller; 0 where there was none and is none.
+double shrink_of(double before, double after);
+
+/// 5 and 95 % quantiles of the gaps and of the shrink, over groups drawn with replacement.
 struct GapInterval {
     double before_low = 0, before_high = 0, after_low = 0, after_high = 0, shrink_low = 0, shrink_high = 0;
 };

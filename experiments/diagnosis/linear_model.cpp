@@ -33,6 +33,10 @@ double Projection::norm(const VectorXd& a) const {
     return std::sqrt(std::max(0.0, inner(a, a)));
 }
 
+VectorXd Projection::weights(const VectorXd& curve) const {
+    return marginal_.solve(curve);
+}
+
 double Projection::log_evidence() const {
     const double log_det = 2 * marginal_.matrixL().toDenseMatrix().diagonal().array().log().sum();
     return -0.5 * (inner(model_.residual, model_.residual) + log_det +

@@ -34,6 +34,8 @@ class Projection {
     double inner(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const;
     /// Length of a curve after projection, in units of the noise: sqrt(a' V^-1 a).
     double norm(const Eigen::VectorXd& a) const;
+    /// V^-1 a [m].
+    Eigen::VectorXd weights(const Eigen::VectorXd& curve) const;
     /// log N(residual; 0, V).
     double log_evidence() const;
     /// Weights [m] on a residual that give `weights` on what the fit leaves of it: V^-1 S w.

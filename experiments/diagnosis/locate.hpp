@@ -1,5 +1,6 @@
 // Where does a calibrated model fail? A score for each region of the curves, of what the parameters cannot
-// absorb, and one test over all of them whose false-alarm rate holds for the whole sample.
+// absorb, a score along what each known effect would change, and one test over all of them whose false-alarm
+// rate holds for the whole sample.
 #pragma once
 
 #include <cstdint>
@@ -16,6 +17,12 @@ struct Region {
     std::vector<Eigen::Index> outputs;  // places among the model's
 };
 
+/// What an effect that is known would change [m].
+struct Direction {
+    Eigen::VectorXd change;
+    bool two_sided = false;  // it may also change the opposite
+};
+
 struct LocateOptions {
     double false_alarm_rate = 0.005;  // of the whole sample
     int draws = 20'000;               // of the null
@@ -26,12 +33,15 @@ struct LocateOptions {
 };
 
 struct Location {
-    Eigen::VectorXd z;       // [regions] positive: measured above the model; 0 where the fit absorbs all
-    double omnibus = 0;      // z' R^-1 z, all regions together
-    double p_value = 1;      // of the smaller of the two tests below, for the whole sample
-    double largest_z_p = 1;  // of the largest |z|
+    Eigen::VectorXd z;         // [regions] positive: measured above the model; 0 where the fit absorbs all
+    Eigen::VectorXd directed;  // [directions] positive: as the effect would have it
+    double omnibus = 0;        // z' R^-1 z, all regions together
+    double p_value = 1;        // of the smallest of the three below, for the whole sample
+    double largest_z_p = 1;    // of the largest |z|
     double omnibus_p = 1;
-    double threshold = 0;  // of |z|: the largest of all regions passes it at the false-alarm rate
+    double directed_p = 1;  // of the largest score along a direction
+    // Of |z| and of the directed scores: what is larger raises the alarm.
+    double threshold = 0, directed_threshold = 0;
     bool alarm = false;
 };
 
@@ -41,15 +51,21 @@ struct Location {
 /// that it should.) A row is zero where the parameters absorb the region whole.
 Eigen::MatrixXd region_scores(const Projection& projection, const std::vector<Region>& regions);
 
-/// Tests the residual of the projection's model. The null draws are residuals of the model itself with its
-/// parameters fitted anew, which in the linear model is the projection. The test is that on the smaller of
-/// two p values, of the largest |z| and of all z together, calibrated by the same draws.
-Location locate(const Projection& projection, const std::vector<Region>& regions,
-                const LocateOptions& options = {});
+/// Rows [directions x m] that make the directed scores of a residual: weights of generalised least squares,
+/// but that a tenth of each output's variance is taken for independent noise, so that nothing hangs on
+/// combinations of readings of whose small variance little is known. Zero for a change that the fit absorbs.
+Eigen::MatrixXd direction_scores(const Projection& projection, const std::vector<Direction>& directions);
 
-/// Smallest strength at which a change [m] per unit of strength would pass the threshold in one region with a
-/// power of 90 %; infinity where it shows in none.
-double detectable_strength(const Eigen::MatrixXd& scores, const Location& location,
-                           const Eigen::VectorXd& change);
+/// Tests the residual of the projection's model. The null draws are residuals of the model itself with its
+/// parameters fitted anew, which in the linear model is the projection. The test is that on the smallest of
+/// the p values of the largest |z|, of all z together and of the largest directed score, calibrated by the
+/// same draws.
+Location locate(const Projection& projection, const std::vector<Region>& regions,
+                const LocateOptions& options = {}, const std::vector<Direction>& directions = {});
+
+/// Smallest share of a change [m] that would raise the alarm, in one region or as the direction that is given
+/// by its row of scores [m] (may be empty), with a power of 90 %; infinity where it shows in none.
+double detectable_strength(const Eigen::MatrixXd& scores, const Eigen::VectorXd& direction,
+                           const Location& location, const Eigen::VectorXd& change);
 
 }  // namespace loam::experiments

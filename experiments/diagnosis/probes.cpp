@@ -15,17 +15,9 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-constexpr std::uint64_t fingerprints_from = 20'000'000;  // indices of their runs
+constexpr std::uint64_t fingerprints_from = 20'000'000, runs_of_a_trial = 1000;  // indices of their runs
 constexpr Index fewest_pairs = 2;
 constexpr int leader_rounds = 1;  // of added runs in an effect's own ensemble
-
-/// The prior of the effect's strength, or nullptr where it has none.
-const surrogate::Prior* prior_of_strength(const ModelEffect& effect, const ParameterSpace& space) {
-    if (effect.parameters.empty()) return nullptr;
-    for (Index k = 0; k < space.dimension(); ++k)
-        if (space.info(k).name == effect.parameters.front().name) return &space.prior(k);
-    return nullptr;
-}
 
 double root_mean_square(const surrogate::Prior& prior) {
     constexpr int points = 200;
@@ -44,14 +36,14 @@ VectorXd with_strength(const VectorXd& base, const ParameterSpace& space, double
     return out;
 }
 
-std::vector<RunSpec> fingerprint_specs(const StudiedModel& base, const ParameterSpace& space,
-                                       double strength) {
+std::vector<RunSpec> specs_with(const StudiedModel& base, const ParameterSpace& space, double strength,
+                                std::uint64_t trial) {
     std::vector<RunSpec> specs;
     const int wanted = base.settings().diagnosis.fingerprint_packings;
     for (const RunRecord& run : base.direct) {
         if (!run.ok || static_cast<int>(specs.size()) >= wanted) continue;
         RunSpec spec = run.spec;
-        spec.index = fingerprints_from + specs.size();
+        spec.index = fingerprints_from + trial * runs_of_a_trial + specs.size();
         spec.purpose = "fingerprint";
         spec.parameters = with_strength(run.spec.parameters, space, strength);
         specs.push_back(std::move(spec));
@@ -60,6 +52,13 @@ std::vector<RunSpec> fingerprint_specs(const StudiedModel& base, const Parameter
 }
 
 }  // namespace
+
+const surrogate::Prior* prior_of_strength(const ModelEffect& effect, const ParameterSpace& space) {
+    if (effect.parameters.empty()) return nullptr;
+    for (Index k = 0; k < space.dimension(); ++k)
+        if (space.info(k).name == effect.parameters.front().name) return &space.prior(k);
+    return nullptr;
+}
 
 Settings settings_with(const Settings& base, const ModelEffect& effect) {
     Settings out = base;
@@ -87,25 +86,33 @@ Probe probe_effect(const StudiedModel& base, const ModelEffect& effect, const la
         out.print.strength = prior->from_unit(prior->quantile_unit(out.print.two_sided ? 0.84 : 0.5));
         out.usual_strength = root_mean_square(*prior);
     }
-    const std::vector<RunSpec> specs = fingerprint_specs(base, campaign.space(), out.print.strength);
+    const EffectChange change = change_with(base, effect, campaign, out.print.strength);
+    out.print.change = change.mean();
+    out.runs = change.runs;
+    out.failed = change.failed;
+    return out;
+}
+
+EffectChange change_with(const StudiedModel& base, const ModelEffect& effect, Campaign& campaign,
+                         double strength, std::uint64_t trial) {
+    const std::vector<RunSpec> specs = specs_with(base, campaign.space(), strength, trial);
     const std::vector<RunRecord> runs = campaign.run(fmt::format("fingerprint of {}", effect.name), specs);
-    out.runs = runs.size();
-    VectorXd sum = VectorXd::Zero(base.linear.residual.size());
+    EffectChange out{Eigen::MatrixXd(base.linear.residual.size(), static_cast<Index>(runs.size())),
+                     runs.size(), 0};
     Index pairs = 0;
     for (const RunRecord& run : runs) {
         const auto same = std::ranges::find_if(base.direct, [&](const RunRecord& other) {
             return other.ok && other.spec.packing_seed == run.spec.packing_seed;
         });
         if (!run.ok || same == base.direct.end()) continue;
-        sum += transformed(base, run.outputs) - transformed(base, same->outputs);
-        ++pairs;
+        out.of_packing.col(pairs++) = transformed(base, run.outputs) - transformed(base, same->outputs);
     }
     if (pairs < fewest_pairs)
         throw std::runtime_error(fmt::format("{} of {} runs with {} failed: {}",
                                              runs.size() - static_cast<std::size_t>(pairs), runs.size(),
                                              effect.name, runs.empty() ? "" : runs.front().reason));
+    out.of_packing.conservativeResize(Eigen::NoChange, pairs);
     out.failed = runs.size() - static_cast<std::size_t>(pairs);
-    out.print.change = sum / static_cast<double>(pairs);
     return out;
 }
 

@@ -11,6 +11,22 @@ Settings settings_with(const Settings& base, const ModelEffect& effect);
 /// The folder of that ensemble's store.
 std::filesystem::path folder_of(const std::filesystem::path& folder, const ModelEffect& effect);
 
+/// The prior of the effect's strength, or nullptr where it has none.
+const surrogate::Prior* prior_of_strength(const ModelEffect& effect, const ParameterSpace& space);
+
+/// What an effect of that strength (SI) changes in the base model's direct runs, on common packings.
+struct EffectChange {
+    Eigen::MatrixXd of_packing;  // [m x packings] transformed
+    std::size_t runs = 0, failed = 0;
+
+    Eigen::VectorXd mean() const { return of_packing.rowwise().mean(); }
+};
+
+/// `campaign`: of the model with the effect. `trial`: numbers the strengths that are tried on it. Throws
+/// std::runtime_error where too many runs fail.
+EffectChange change_with(const StudiedModel& base, const ModelEffect& effect, Campaign& campaign,
+                         double strength, std::uint64_t trial = 0);
+
 /// The fingerprint of the effect, at its prior's median strength (the upper 16 % point where the strength may
 /// be negative). Throws std::runtime_error where too many of its runs fail.
 Probe probe_effect(const StudiedModel& base, const ModelEffect& effect, const lab_data::Sample& sample,

@@ -97,13 +97,10 @@ void or_leave_out(const ModelEffect& effect, Search& search, const std::function
 void probe_all(Search& search, const StudiedModel& base, const lab_data::Sample& sample,
                const std::filesystem::path& folder, RunLog* log, const StepReport& report) {
     const Projection projection(base.linear);
-    const MatrixXd scores = region_scores(projection, search.regions);
     for (const ModelEffect* effect : candidates_for(base.settings(), base.campaign)) {
         report(fmt::format("fingerprint of {}", effect->name));
         or_leave_out(*effect, search, [&] {
             Probe probe = probe_effect(base, *effect, sample, folder, log);
-            probe.detectable_strength =
-                probe.print.strength * detectable_strength(scores, search.location, probe.print.change);
             probe.explained = explain(projection, probe.print, probe.usual_strength);
             search.probes.push_back(std::move(probe));
         });
@@ -111,6 +108,29 @@ void probe_all(Search& search, const StudiedModel& base, const lab_data::Sample&
     std::vector<Fingerprint> prints;
     for (const Probe& probe : search.probes) prints.push_back(probe.print);
     search.table = compare_fingerprints(projection, prints, thresholds::same_group_cosine);
+}
+
+/// What the effects but one would change.
+std::vector<Direction> directions_of(const Search& search, const ModelEffect* but = nullptr) {
+    std::vector<Direction> out;
+    for (const Probe& probe : search.probes)
+        if (probe.effect != but) out.push_back({probe.print.change, probe.print.two_sided});
+    return out;
+}
+
+void test_base(Search& search, const StudiedModel& base) {
+    const Projection projection(base.linear);
+    const std::vector<Direction> directions = directions_of(search);
+    search.location = locate(projection, search.regions, locate_options(base), directions);
+    const MatrixXd scores = region_scores(projection, search.regions),
+                   directed = direction_scores(projection, directions);
+    for (std::size_t k = 0; k < search.probes.size(); ++k) {
+        Probe& probe = search.probes[k];
+        probe.detectable_strength =
+            probe.print.strength * detectable_strength(scores,
+                                                       directed.row(static_cast<Index>(k)).transpose(),
+                                                       search.location, probe.print.change);
+    }
 }
 
 /// Places of the probes that lead, best first.
@@ -134,7 +154,8 @@ Leader lead(const Search& search, std::size_t at, StudiedModel& base, const lab_
     out.model = study_model(settings, sample, folder_of(folder, effect), log,
                             runs_without(base, effect, parameter_space(settings)));
     const Projection projection(out.model->linear);
-    out.location = locate(projection, regions_of(*out.model), locate_options(*out.model));
+    out.location = locate(projection, regions_of(*out.model), locate_options(*out.model),
+                          directions_of(search, &effect));
     if (!search.held_out.empty())
         out.held_out =
             predict_held_out(out.model->fitted, tests_to_hold_out(*out.model), out.model->estimate);
@@ -144,7 +165,8 @@ Leader lead(const Search& search, std::size_t at, StudiedModel& base, const lab_
     f.is_mundane = effect.is_mundane();
     f.log_evidence = projection.log_evidence() - Projection(base.linear).log_evidence();
     f.held_out_gain = total(out.held_out) - total(search.held_out);
-    f.gap_shrinks = out.held_out.empty() || gap(out.held_out) < gap(search.held_out);
+    f.gap_shrinks =
+        out.held_out.empty() || error_over_noise(out.held_out) < error_over_noise(search.held_out);
     f.fit_p = out.location.p_value;
     f.is_physical = is_physical(base, *out.model);
     f.is_present = is_present(effect, *out.model);
@@ -183,13 +205,13 @@ Search search_for_effect(StudiedModel& base, const lab_data::Sample& sample,
                          const std::filesystem::path& folder, RunLog* log, const StepReport& report) {
     Search out;
     out.regions = regions_of(base);
-    out.location = locate(Projection(base.linear), out.regions, locate_options(base));
-    report(fmt::format("where the model fails: p = {:.2g}, largest |z| {:.1f} (threshold {:.1f})",
-                       out.location.p_value, out.location.z.cwiseAbs().maxCoeff(), out.location.threshold));
     const std::vector<HeldOutGroup> groups = tests_to_hold_out(base);
     const bool can_hold_out = groups.size() > 1;
     if (can_hold_out) out.held_out = predict_held_out(base.fitted, groups, base.estimate);
     probe_all(out, base, sample, folder, log, report);
+    test_base(out, base);
+    report(fmt::format("where the model fails: p = {:.2g}, largest |z| {:.1f} (threshold {:.1f})",
+                       out.location.p_value, out.location.z.cwiseAbs().maxCoeff(), out.location.threshold));
     if (out.location.alarm)
         for (const std::size_t k : leading(out, base.settings().diagnosis.leaders)) {
             report(fmt::format("ensemble with {}", out.probes[k].effect->name));

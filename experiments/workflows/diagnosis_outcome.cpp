@@ -172,7 +172,7 @@ json diagnosis_result(const Diagnosis& d, const Outcome& outcome, std::uint64_t 
     const double before = can ? gap(d.first.held_out) : 0, after = has_after ? gap(outcome.held_out) : 0;
     out["gap_before"] = can ? json(before) : json(nullptr);
     out["gap_after"] = has_after ? json(after) : json(nullptr);
-    out["shrink"] = has_after ? json(1 - after / before) : json(nullptr);
+    out["shrink"] = has_after ? json(shrink_of(before, after)) : json(nullptr);
     if (has_after) {
         const GapInterval i = gap_interval(d.first.held_out, outcome.held_out, seed);
         out["gap_before_90"] = {i.before_low, i.before_high};

@@ -103,7 +103,7 @@ TEST(DiagnosisProjection, RefusesSizesThatDoNotFit) {
 
 /// Alarms among soils without an effect, with the noise known, or with that of packings estimated anew for
 /// each soil from `replicates` runs.
-int false_alarms(int soils, double rate, int replicates) {
+int false_alarms(int soils, double rate, int replicates, const std::vector<Direction>& directions = {}) {
     const MatrixXd root = toy_noise().llt().matrixL(), packing_root = packing_covariance().llt().matrixL();
     optimizers::Random random(17);
     LocateOptions options;
@@ -120,7 +120,8 @@ int false_alarms(int soils, double rate, int replicates) {
             options.noise_freedom = (replicates - 1) / (0.8 * 0.8);  // four fifths are estimated
         }
         options.seed = static_cast<std::uint64_t>(k);
-        alarms += locate(Projection(toy(soil(random, root), noise)), toy_regions(), options).alarm;
+        alarms +=
+            locate(Projection(toy(soil(random, root), noise)), toy_regions(), options, directions).alarm;
     }
     return alarms;
 }
@@ -134,6 +135,44 @@ TEST(DiagnosisLocate, FalseAlarmRateHoldsWithTheNoiseEstimated) {
     // 300 soils at 5 %: 15 alarms, sd 3.8.
     EXPECT_LE(false_alarms(300, 0.05, 150), 27);
     EXPECT_LE(false_alarms(300, 0.05, 60), 27);
+}
+
+/// An effect that is spread over all curves and changes its sign within every region.
+VectorXd ripple() {
+    VectorXd out(m);
+    for (Index k = 0; k < m; ++k) out[k] = k % 2 == 0 ? 1 : -1;
+    return out;
+}
+
+std::vector<Direction> three_directions() {
+    VectorXd slope(m);
+    for (Index k = 0; k < m; ++k) slope[k] = std::cos(0.7 * static_cast<double>(k % readings));
+    return {{step(), false}, {ripple(), true}, {slope, false}};
+}
+
+TEST(DiagnosisLocate, FalseAlarmRateHoldsAlongKnownEffects) {
+    EXPECT_NEAR(false_alarms(1000, 0.05, 0, three_directions()), 50, 25);
+    EXPECT_LE(false_alarms(300, 0.05, 150, three_directions()), 27);
+    EXPECT_LE(false_alarms(300, 0.05, 60, three_directions()), 27);
+}
+
+TEST(DiagnosisLocate, AKnownEffectShowsThoughNoRegionDoes) {
+    const MatrixXd root = toy_noise().llt().matrixL();
+    optimizers::Random random(9);
+    int without = 0, with = 0, backwards = 0;
+    for (int k = 0; k < 100; ++k) {
+        const double strength = 6 / Projection(toy(VectorXd::Zero(m), toy_noise())).norm(ripple());
+        const VectorXd r = soil(random, root) + strength * ripple();
+        const Projection projection(toy(r, toy_noise()));
+        without += locate(projection, toy_regions()).alarm;
+        const Location location = locate(projection, toy_regions(), {}, {{ripple(), false}});
+        with += location.alarm && location.directed[0] > location.directed_threshold;
+        // An effect that can only do the opposite is no explanation.
+        backwards += locate(projection, toy_regions(), {}, {{-ripple(), false}}).directed_p < 0.01;
+    }
+    EXPECT_LE(without, 50);
+    EXPECT_GE(with, 90);
+    EXPECT_EQ(backwards, 0);
 }
 
 TEST(DiagnosisLocate, FindsAStepWithItsPlaceAndSign) {
@@ -165,7 +204,8 @@ TEST(DiagnosisLocate, DetectableStrengthIsDetectedInNineOfTenSoils) {
         LocateOptions options;
         options.draws = 4000;
         const Location location = locate(clean, toy_regions(), options);
-        const double strength = detectable_strength(region_scores(clean, toy_regions()), location, step());
+        const double strength =
+            detectable_strength(region_scores(clean, toy_regions()), {}, location, step());
         r += strength * step();
         found += locate(Projection(toy(r, toy_noise())), toy_regions(), options).z.cwiseAbs().maxCoeff() >
                  location.threshold;
@@ -233,14 +273,14 @@ std::vector<HeldOutGroup> curve_groups() {
     return out;
 }
 
-TEST(DiagnosisHeldOut, NoiseAloneLeavesAGapOfOneAndAnEffectThatIsAddedClosesIt) {
+TEST(DiagnosisHeldOut, NoiseAloneLeavesNoGapAndAnEffectThatIsAddedClosesIt) {
     const MatrixXd root = toy_noise().llt().matrixL(), base = toy_jacobian();
     // The effect shows in all curves, so that two of them foretell the third.
     MatrixXd extended(m, 3);
     extended.leftCols(2) = base;
     for (Index k = 0; k < m; ++k) extended(k, 2) = k % readings < 4 ? 4.0 : 0.0;
     optimizers::Random random(11);
-    double before = 0, after = 0, gain = 0;
+    double before = 0, after = 0, error = 0, gain = 0;
     constexpr int soils = 40;
     for (int k = 0; k < soils; ++k) {
         const VectorXd y = extended * Eigen::Vector3d(0.4, 0.6, 0.5) + root * normals(random, m);
@@ -249,14 +289,24 @@ TEST(DiagnosisHeldOut, NoiseAloneLeavesAGapOfOneAndAnEffectThatIsAddedClosesIt) 
         const auto with = predict_held_out(linear_fitted(y, extended), curve_groups(), start);
         before += gap(without) / soils;
         after += gap(with) / soils;
+        error += error_over_noise(with) / soils;
         for (std::size_t g = 0; g < with.size(); ++g)
             gain += (with[g].log_score - without[g].log_score) / soils;
         const GapInterval interval = gap_interval(without, with, 1);
         EXPECT_LE(interval.shrink_low, interval.shrink_high);
     }
-    EXPECT_NEAR(after, 1, 0.15);
+    EXPECT_NEAR(error, 1, 0.15);
+    EXPECT_LT(after, 0.4);
     EXPECT_GT(before, 3);
     EXPECT_GT(gain, thresholds::gain_over_base);
+}
+
+TEST(DiagnosisHeldOut, ShrinkIsAShareOfTheGap) {
+    EXPECT_DOUBLE_EQ(shrink_of(2, 0.5), 0.75);
+    EXPECT_EQ(shrink_of(2, 0), 1);
+    EXPECT_EQ(shrink_of(0, 0), 0);
+    EXPECT_EQ(shrink_of(0.1, 5), -1);
+    EXPECT_EQ(shrink_of(0, 1), -1);
 }
 
 TEST(DiagnosisHeldOut, ScoreIsTheConditionalDensityOfTheLinearModel) {
