@@ -91,6 +91,8 @@ const std::array table{
     Field{"", "against", [](Settings& s) -> Slot { return &s.against; },
           "other codes, where installed, that `loam bench engine` measures beside this engine", {}, code_names, "CODE,...",
           Resuming::may_differ},
+    Field{"", "twins", [](Settings& s) -> Slot { return &s.twins; },
+          "most twins of `loam bench diagnose`, or samples of `loam bench bulk`; 0: the benchmark's own number", count(0), nullptr, "N", Resuming::may_differ},
     Field{"", "sample", [](Settings& s) -> Slot { return &s.sample; },
           "folder of the sample", {}, nullptr, "", Resuming::may_differ},
     Field{"", "tests", [](Settings& s) -> Slot { return &s.tests; },

@@ -103,6 +103,7 @@ struct Settings {
     std::string verb;
     std::string benchmark;              // of the verb bench
     std::vector<std::string> against;   // other codes to measure beside this engine, of the benchmark engine
+    int twins = 0;                      // most, of the benchmarks diagnose and bulk; 0: their own number
     std::filesystem::path sample;       // absolute once resolved
     std::vector<std::string> tests;     // kinds to use; empty: every kind that can be simulated
     std::vector<std::string> hold_out;  // the sample's files to predict, not to fit

@@ -16,8 +16,9 @@ struct Benchmark {
     int (*run)(const Settings&);
 };
 
-constexpr std::array table{Benchmark{"twins", bench_twins}, Benchmark{"joint-twins", bench_joint_twins},
-                           Benchmark{"rate", bench_rate}, Benchmark{"engine", bench_engine}};
+constexpr std::array table{Benchmark{"twins", bench_twins},       Benchmark{"joint-twins", bench_joint_twins},
+                           Benchmark{"diagnose", bench_diagnose}, Benchmark{"bulk", bench_bulk},
+                           Benchmark{"rate", bench_rate},         Benchmark{"engine", bench_engine}};
 
 }  // namespace
 

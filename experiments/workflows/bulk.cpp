@@ -39,15 +39,11 @@ std::string summary_text(const json& result, const std::filesystem::path& folder
 
 }  // namespace
 
-int run_bulk(const Settings& settings) {
+json calibrate_data_set(const Settings& settings, const lab_data::DataSet& set,
+                        const std::filesystem::path& folder, RunLog& log) {
     const auto started = std::chrono::steady_clock::now();
-    const lab_data::DataSet set = lab_data::read_data_set(settings.sample);
-    const RunFolder folder(settings);
-    RunLog log(folder.file("log.txt"));
-    log.write(fmt::format("loam {} bulk {}{}", LOAM_VERSION, settings.sample.string(),
-                          folder.resumed() ? " (resumed)" : ""));
-    SharedEnsemble ensemble(settings, set, folder.path(), &log);
-    const BulkStudy study = run_study(ensemble, set, settings, folder.path(), log);
+    SharedEnsemble ensemble(settings, set, folder, &log);
+    const BulkStudy study = run_study(ensemble, set, settings, folder, log);
 
     std::vector<std::string> warnings = set.warnings;
     for (const auto* more : {&ensemble.campaign().warnings(), &study.warnings})
@@ -59,12 +55,22 @@ int run_bulk(const Settings& settings) {
     json document = bulk_document(result, study, statistics, set, ensemble, settings);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
     result["seconds"] = document["seconds"] = seconds;
-    write_file_atomically(folder.file("report.json"),
+    write_file_atomically(folder / "report.json",
                           document.dump(-1, ' ', false, json::error_handler_t::replace) + "\n");
-    write_file_atomically(folder.file("report.html"), report_html(document));
-    write_file_atomically(folder.file("parameters.csv"), parameters_csv(study, set, ensemble.space()));
-    write_file_atomically(folder.file("result.json"), result.dump(1) + "\n");
+    write_file_atomically(folder / "report.html", report_html(document));
+    write_file_atomically(folder / "parameters.csv", parameters_csv(study, set, ensemble.space()));
+    write_file_atomically(folder / "result.json", result.dump(1) + "\n");
     log.write(fmt::format("done in {:.1f} s", seconds));
+    return result;
+}
+
+int run_bulk(const Settings& settings) {
+    const lab_data::DataSet set = lab_data::read_data_set(settings.sample);
+    const RunFolder folder(settings);
+    RunLog log(folder.file("log.txt"));
+    log.write(fmt::format("loam {} bulk {}{}", LOAM_VERSION, settings.sample.string(),
+                          folder.resumed() ? " (resumed)" : ""));
+    const json result = calibrate_data_set(settings, set, folder.path(), log);
     print_result(settings, result, summary_text(result, folder.path()));
     return 0;
 }

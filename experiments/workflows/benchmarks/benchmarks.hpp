@@ -12,6 +12,12 @@ int bench_twins(const Settings& settings);
 /// Likewise from an oedometer, a triaxial and a direct shear test of each soil together.
 int bench_joint_twins(const Settings& settings);
 
+/// Blind twins with and without hidden effects, each diagnosed: how often the diagnosis is right.
+int bench_diagnose(const Settings& settings);
+
+/// The cost of a data set by the number of its samples.
+int bench_bulk(const Settings& settings);
+
 /// Oedometer runs at the default loading rate and at half of it: mean change of strain, stage by stage.
 int bench_rate(const Settings& settings);
 

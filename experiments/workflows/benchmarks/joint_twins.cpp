@@ -8,12 +8,12 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
-#include <random>
 
 #include "experiments/calibration.hpp"
 #include "experiments/ensemble/run_seed.hpp"
 #include "experiments/settings/run_folder.hpp"
 #include "experiments/workflows/benchmarks/benchmarks.hpp"
+#include "experiments/workflows/benchmarks/twin_tests.hpp"
 #include "experiments/workflows/parameter_summary.hpp"
 #include "surrogate/designs.hpp"
 
@@ -29,35 +29,23 @@ constexpr int more_particles = 2, first_runs = 160, runs_per_soil = 6, packing_p
 constexpr std::uint64_t likely_from = 2'000'000, twins_from = 4'000'000;
 constexpr std::uint64_t twin_packings = 21, twin_noise = 22, twin_design = 23, training_packings = 1;
 
-lab_data::Test test_of(lab_data::TestKind kind, std::string file, const char* x, double to, int readings,
-                       std::initializer_list<const char*> channels) {
-    lab_data::Test test;
-    test.kind = kind;
-    test.file = std::move(file);
-    test.initial_void_ratio = 0.68;
-    for (int k = 1; k <= readings; ++k) {
-        test.columns[x].push_back(to * std::pow(static_cast<double>(k) / readings, 2));
-        for (const char* channel : channels) test.columns[channel].push_back(0);
-        test.lines.push_back(k + 1);
-    }
-    return test;
-}
-
 /// One test of each kind, without measurements.
 lab_data::Sample three_tests() {
     lab_data::Sample sample = reference_sample();
     sample.name = "joint twins";
-    sample.tests.front().initial_void_ratio = 0.68;
-    lab_data::Test triaxial = test_of(lab_data::TestKind::triaxial, "triaxial.csv", "axial_strain", 0.15, 14,
-                                      {"deviatoric_stress", "volumetric_strain"});
+    lab_data::Test triaxial =
+        test_without_readings(lab_data::TestKind::triaxial, "triaxial.csv", "axial_strain", 0.15, 14,
+                              {"deviatoric_stress", "volumetric_strain"});
     triaxial.cell_pressure = 100e3;
-    lab_data::Test shear = test_of(lab_data::TestKind::direct_shear, "direct_shear.csv", "shear_displacement",
-                                   0.006, 14, {"shear_stress", "settlement"});
+    lab_data::Test shear =
+        test_without_readings(lab_data::TestKind::direct_shear, "direct_shear.csv", "shear_displacement",
+                              0.006, 14, {"shear_stress", "settlement"});
     shear.normal_stress = 100e3;
     shear.box_length = shear.box_width = 0.06;
     shear.box_height = 0.03;
     sample.tests.push_back(std::move(triaxial));
     sample.tests.push_back(std::move(shear));
+    for (lab_data::Test& test : sample.tests) test.initial_void_ratio = 0.68;
     return sample;
 }
 
@@ -76,20 +64,6 @@ Settings model_of(const Settings& given) {
     settings.calibration.specimen_particles = more_particles * settings.particles;
     if (settings.runs == Settings{}.runs) settings.runs = first_runs;
     return settings;
-}
-
-/// The observation of a soil: its run's outputs with the noise that the observation's curves assume.
-Observation observed(const Observation& form, const std::vector<Index>& columns, const RunRecord& run,
-                     std::uint64_t seed) {
-    Observation out = form;
-    std::mt19937_64 random(seed);
-    std::normal_distribution<double> normal;
-    for (const ObservedCurve& curve : out.curves)
-        for (Index k = curve.first; k < curve.first + curve.count; ++k) {
-            const double y = run.outputs[columns[static_cast<std::size_t>(k)]];
-            out.measured[k] = y + std::hypot(curve.unit * curve.floor, curve.relative * y) * normal(random);
-        }
-    return out;
 }
 
 struct Soil {

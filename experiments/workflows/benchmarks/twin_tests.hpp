@@ -1,0 +1,21 @@
+// What the benchmarks on synthetic soils share: tests that are to be simulated, and their measurements.
+#pragma once
+
+#include <initializer_list>
+#include <string>
+#include <vector>
+
+#include "experiments/observation.hpp"
+#include "lab_data/sample.hpp"
+
+namespace loam::experiments {
+
+/// A test with so many readings, denser at the start, up to x = `to` (SI), whose channels are 0.
+lab_data::Test test_without_readings(lab_data::TestKind kind, std::string file, const char* x, double to,
+                                     int readings, std::initializer_list<const char*> channels);
+
+/// The observation of a soil: its run's outputs with the noise that the observation's curves assume.
+Observation observed(const Observation& form, const std::vector<Eigen::Index>& columns, const RunRecord& run,
+                     std::uint64_t seed);
+
+}  // namespace loam::experiments
