@@ -19,8 +19,6 @@ using Eigen::VectorXd;
 constexpr double absorbed = 1e-4;
 // Regions that say the same thing twice count once.
 constexpr double least_eigenvalue = 1e-6;
-// Share of each output's variance that directed scores take for independent.
-constexpr double ridge = 0.1;
 // An estimated covariance of n scores needs at least so many degrees of freedom more than n.
 constexpr double fewest_spare = 5;
 
@@ -155,7 +153,7 @@ MatrixXd region_scores(const Projection& projection, const std::vector<Region>& 
 
 MatrixXd direction_scores(const Projection& projection, const std::vector<Direction>& directions) {
     LinearModel model = projection.model();
-    model.noise.diagonal() *= 1 + ridge;
+    model.noise.diagonal() *= 1 + thresholds::directed_ridge;
     const Projection robust(std::move(model));
     MatrixXd out = MatrixXd::Zero(static_cast<Index>(directions.size()), projection.size());
     for (std::size_t k = 0; k < directions.size(); ++k) {

@@ -22,7 +22,7 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-constexpr Index soils = 250;  // samples beyond that measure the same specimens, with other noise
+constexpr Index most_soils = 250;  // samples beyond that measure the same specimens, with other noise
 constexpr int ensemble = 959, fewest = 125, growth = 4, most_by_default = 2000;
 constexpr std::uint64_t twin_packings = 21, twin_noise = 22, twin_design = 23;
 
@@ -32,7 +32,7 @@ struct Soils {
     std::vector<RunRecord> runs;
 };
 
-Soils make_soils(const Settings& settings, const std::filesystem::path& folder, RunLog& log) {
+Soils make_soils(Index soils, const Settings& settings, const std::filesystem::path& folder, RunLog& log) {
     const lab_data::Sample sample = reference_sample();
     Campaign campaign(settings, sample, folder / "soils", &log);
     Soils out;
@@ -87,8 +87,8 @@ int bench_bulk(const Settings& given) {
     if (settings.confirm == defaults.confirm) settings.confirm = "20";
     const RunFolder folder(given);
     RunLog log(folder.file("log.txt"));
-    const Soils of = make_soils(settings, folder.path(), log);
     const int most = settings.twins > 0 ? settings.twins : most_by_default;
+    const Soils of = make_soils(std::min<Index>(most_soils, most), settings, folder.path(), log);
     nlohmann::json rows = nlohmann::json::array();
     std::string text = fmt::format("{:>8} {:>9} {:>12} {:>14} {:>12} {:>17}\n", "samples", "time (s)",
                                    "training (s)", "of a sample (s)", "calibrated", "peak memory (MB)");

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <ranges>
 
 #include "experiments/calibration.hpp"
@@ -57,7 +58,6 @@ Settings model_of(const Settings& given) {
     s.diagnosis.fingerprint_packings = 4;
     s.diagnosis.leaders = 2;
     s.diagnosis.runs = 60;
-    s.diagnosis.candidates = {};
     s.quiet = true;
     return s;
 }
@@ -295,17 +295,30 @@ lab_data::Sample TwinFactory::measured(const RunRecord& run, const std::string& 
     return out;
 }
 
-std::vector<lab_data::Sample> TwinFactory::measure(const std::vector<TwinTruth>& twins) {
-    std::vector<lab_data::Sample> out(twins.size());
+std::vector<lab_data::Sample> TwinFactory::measure(std::vector<TwinTruth>& twins) {
+    std::vector<std::optional<lab_data::Sample>> made(twins.size());
     std::map<std::vector<std::string>, std::vector<std::size_t>> groups;
     for (std::size_t k = 0; k < twins.size(); ++k) groups[twins[k].effects].push_back(k);
     for (const auto& [effects, places] : groups) {
         std::vector<TwinTruth> group;
         for (const std::size_t k : places) group.push_back(twins[k]);
         const std::vector<RunRecord> runs = simulate(group.front(), group, places);
-        for (std::size_t k = 0; k < places.size(); ++k)
-            out[places[k]] = measured(runs[k], twins[places[k]].name);
+        for (std::size_t k = 0; k < places.size(); ++k) {
+            const std::string& twin = twins[places[k]].name;
+            if (runs[k].ok)
+                made[places[k]] = measured(runs[k], twin);
+            else
+                log_.write(fmt::format("{} is left out: {}", twin, runs[k].reason));
+        }
     }
+    std::vector<lab_data::Sample> out;
+    std::vector<TwinTruth> kept;
+    for (std::size_t k = 0; k < twins.size(); ++k) {
+        if (!made[k]) continue;
+        out.push_back(std::move(*made[k]));
+        kept.push_back(twins[k]);
+    }
+    twins = std::move(kept);
     return out;
 }
 

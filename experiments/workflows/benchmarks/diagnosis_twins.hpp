@@ -44,8 +44,8 @@ class TwinFactory {
     /// by trial, for each effect and soil; what cannot be made so strong within its prior's bounds is left
     /// out.
     std::vector<TwinTruth> plan();
-    /// What a laboratory would measure on each of them.
-    std::vector<lab_data::Sample> measure(const std::vector<TwinTruth>& twins);
+    /// What a laboratory would measure on each of them. Twins whose own run fails are left out.
+    std::vector<lab_data::Sample> measure(std::vector<TwinTruth>& twins);
 
   private:
     struct Strength {

@@ -267,6 +267,17 @@ class Bench(ProgramTest):
     def test_other_codes_belong_to_the_engine(self):
         self.refused("bench", "rate", "--against", "yade", says=["--against", "loam bench engine"])
 
+    def test_a_data_set_s_cost_is_told(self):
+        small = self.file("small.toml", "particles = 100\nruns = 40\nconfirm = \"2\"\n[bulk]\nmending_rounds = 0\n")
+        answer = loam("bench", "bulk", "--twins", "12", "--config", small, "--out", self.folder / "cost", "--json",
+                      "--quiet")
+        self.assertEqual(answer.returncode, 0, answer.stderr)
+        rows = json.loads(answer.stdout)
+        self.assertEqual([row["samples"] for row in rows], [12])
+        self.assertGreater(rows[0]["calibrated"], 6)
+        self.assertLess(rows[0]["training_seconds"], rows[0]["seconds"])
+        self.assertGreater(rows[0]["peak_memory_MB"], 1)
+
     def test_codes_that_are_not_installed_are_named(self):
         answer = self.refused("bench", "engine", "--against", "yade,lammps", "--json", status=1, env={"PATH": str(self.folder)},
                               says=["yade is not installed", "lammps is not installed", "none of the codes"])
