@@ -43,6 +43,18 @@ double median_grain_size(const lab_data::Sample& sample) {
     return first * std::pow(grading[k].sieve / first, share);
 }
 
+std::optional<double> spread_of_grading(const lab_data::Sample& sample) {
+    constexpr double end = 0.005, widest = 0.5, narrowest = 0.01;
+    double least = 0, greatest = 0;
+    for (const lab_data::GradingPoint& point : sample.grading) {
+        if (point.passing <= end) least = point.sieve;
+        if (point.passing >= 1 - end && greatest == 0) greatest = point.sieve;
+    }
+    if (!(least > 0 && greatest > least)) return std::nullopt;
+    const double spread = (greatest - least) / (greatest + least);
+    return spread <= widest ? std::optional(std::max(narrowest, spread)) : std::nullopt;
+}
+
 LimitVoidRatios limits_of_soil(const lab_data::Sample& sample) {
     const std::string file = (sample.folder / "sample.toml").string();
     LimitVoidRatios limits;

@@ -1,6 +1,8 @@
 // How dense a specimen is made: at the void ratio that was measured, or at its relative density.
 #pragma once
 
+#include <optional>
+
 #include "experiments/settings/settings.hpp"
 #include "lab_data/sample.hpp"
 
@@ -24,6 +26,12 @@ LimitVoidRatios limits_of_soil(const lab_data::Sample& sample);
 /// Grain size below which half of the mass lies (m), logarithmic between sieves; 0 where no grading is stated
 /// or it does not reach half.
 double median_grain_size(const lab_data::Sample& sample);
+
+/// Half the width of the grading over its middle, (d_max - d_min) / (d_max + d_min), where the largest grains are
+/// at most three times the smallest, so that spheres of all sizes can be simulated; none where it is wider or
+/// not stated from end to end (0.5 % by mass). Packings of one void ratio are the denser for what they can be,
+/// the narrower the grading: at +- 20 % instead of 30 % an oedometer gives a tenth less strain.
+std::optional<double> spread_of_grading(const lab_data::Sample& sample);
 
 /// Porosity at which the test's specimen is made: the setting's; else, from the measured initial void ratio,
 /// the same or that of the same relative density (settings.specimen.match); else the 0.47 of De Pue et al.

@@ -145,7 +145,7 @@ const std::array table{
           "reach of a cohesive bond over the sum of radii, 1", {.lower = 1, .upper = 2}},
 
     Field{"specimen", "size_spread", [](Settings& s) -> Slot { return &s.specimen.size_spread; },
-          "radii are uniform over the mean radius times 1 +- this, 1", {.lower = 0, .upper = 0.9}},
+          "radii are uniform over the mean radius times 1 +- this, 1 (default: as the sample's grading has it if its largest grains are at most three times its smallest)", {.lower = 0, .upper = 0.9}},
     Field{"specimen", "porosity", [](Settings& s) -> Slot { return &s.specimen.porosity; },
           "of the specimen, 1 (default: from the test's initial void ratio)", packable},
     Field{"specimen", "match", [](Settings& s) -> Slot { return &s.specimen.match; },

@@ -126,6 +126,9 @@ std::string resolve_sample(Draft& draft) {
     sample.folder = fs::absolute(sample.folder).lexically_normal();
     settings.sample = fs::weakly_canonical(settings.sample);
     if (!settings.packing.empty()) settings.packing = fs::weakly_canonical(settings.packing);
+    if (const auto spread = spread_of_grading(sample);
+        spread && !draft.origins.contains("specimen.size_spread"))
+        settings.specimen.size_spread = *spread;
     resolve_hold_out(draft, sample);
     check_tests(draft, sample);
     check_specimens(settings, sample);

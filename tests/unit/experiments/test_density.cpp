@@ -42,6 +42,19 @@ TEST(Density, RelativeDensityGoesFromLimitToLimit) {
     EXPECT_NEAR(made(0.7), 0.5 * (spheres.least + spheres.greatest), 1e-12);
 }
 
+TEST(Density, ANarrowGradingIsTakenAsItIs) {
+    lab_data::Sample sample;
+    EXPECT_EQ(spread_of_grading(sample), std::nullopt);
+    sample.grading = {{0.8e-3, 0}, {0.9e-3, 0.3}, {1.2e-3, 1}, {2e-3, 1}};
+    EXPECT_NEAR(spread_of_grading(sample).value(), 0.2, 1e-12);
+    sample.grading.front().passing = 0.1;  // how small the smallest grains are is not said
+    EXPECT_EQ(spread_of_grading(sample), std::nullopt);
+    sample.grading = {{0.3e-3, 0.004}, {1.2e-3, 0.999}};  // four times as large
+    EXPECT_EQ(spread_of_grading(sample), std::nullopt);
+    sample.grading = {{1e-3, 0}, {1.001e-3, 1}};
+    EXPECT_DOUBLE_EQ(spread_of_grading(sample).value(), 0.01);
+}
+
 TEST(Density, LimitsOfSpheresAreThoseOfThePackingGenerator) {
     for (const double spread : {0.0, 0.3}) {
         const LimitVoidRatios limits = limits_of_spheres(spread);
