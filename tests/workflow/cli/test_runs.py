@@ -10,6 +10,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import tomllib
 import unittest
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
@@ -312,6 +313,17 @@ class Simulate(RunTest):
         self.assertEqual(len(curve["simulated"]), len(curve["x"]))
         self.assertEqual(len(curve["measured"]), len(curve["x"]))
         self.assertGreater(max(curve["simulated"]), 0)
+
+    def test_grain_sizes_spread_as_the_sample_s_grading_says(self):
+        coarse = SAND.parent / "twin_coarse_sand"  # 73.7 to 146.3 mm
+        for out, more, spread in (("graded", [], 0.33), ("stated", ["--config", self.folder / "spread.toml"], 0.1)):
+            (self.folder / "spread.toml").write_text("[specimen]\nsize_spread = 0.1\n", encoding="utf-8")
+            words = [PROGRAM, "simulate", coarse, "--tests", "oedometer", "--particles", "100", "--set", "young_modulus=2e7",
+                     "--out", self.folder / out, *more]
+            process = subprocess.run([str(word) for word in words], capture_output=True, text=True, timeout=200, check=False)
+            self.assertEqual(process.returncode, 0, process.stderr)
+            settings = tomllib.loads((self.folder / out / "config.toml").read_text(encoding="utf-8"))
+            self.assertAlmostEqual(settings["specimen"]["size_spread"], spread, 6)
 
     def test_a_faulty_packing(self):
         packing = self.folder / "packing.csv"
