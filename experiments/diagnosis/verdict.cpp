@@ -10,9 +10,12 @@
 namespace loam::experiments {
 namespace {
 
+bool predicts(const Finalist& f) {
+    return f.held_out_gain >= thresholds::gain_over_base && f.gap_shrinks && f.is_physical && f.is_present;
+}
+
 bool is_viable(const Finalist& f) {
-    return f.fit_p > thresholds::fit_p && f.held_out_gain >= thresholds::gain_over_base && f.gap_shrinks &&
-           f.is_physical && f.is_present;
+    return f.fit_p > thresholds::fit_p && predicts(f);
 }
 
 double margin(const Finalist& rival, const Finalist& best) {
@@ -65,7 +68,9 @@ Verdict decide(bool alarm, bool can_hold_out, const std::vector<Finalist>& final
     std::ranges::sort(viable, std::greater{}, &Finalist::held_out_gain);
     const Finalist best = viable.front();
     std::vector<Finalist> own, rivals;
-    for (const Finalist& f : viable) {
+    // What predicts as well but does not fit is no answer, yet may be the better half of one: a rival.
+    for (const Finalist& f : finalists) {
+        if (!(predicts(f) && (is_viable(f) || f.group != best.group))) continue;
         const bool close = f.held_out_gain > best.held_out_gain - margin(f, best);
         if (!close) continue;
         (f.group == best.group ? own : rivals).push_back(f);

@@ -52,6 +52,18 @@ TEST(DiagnosisVerdict, RivalsOfOtherGroupsMakeItAmbiguous) {
     EXPECT_EQ(v.effects, (Names{"rotation", "adhesion"}));
 }
 
+TEST(DiagnosisVerdict, WhatPredictsBetterButDoesNotFitStandsInTheWayOfAName) {
+    const Finalist half = finalist("rolling_resistance", 0, 66, 1e-4);
+    const Verdict v = decide(true, true, {half, finalist("density_error", 1, 63)});
+    EXPECT_EQ(v.kind, VerdictKind::ambiguous);
+    EXPECT_EQ(v.effects, (Names{"density_error", "rolling_resistance"}));
+    EXPECT_EQ(decide(true, true, {half, finalist("density_error", 1, 70)}).kind, VerdictKind::named);
+    // Of its own group it is no rival, and none where it does not predict.
+    EXPECT_EQ(decide(true, true, {half, finalist("rotation", 0, 63)}).effects, Names{"rotation"});
+    EXPECT_EQ(decide(true, true, {finalist("seating", 0, 4, 1e-4), finalist("rotation", 1, 8)}).kind,
+              VerdictKind::named);
+}
+
 TEST(DiagnosisVerdict, AMundaneRivalIsHeardLongerAndNamedFirst) {
     Finalist seating = finalist("seating", 0, 45);
     seating.is_mundane = true;
