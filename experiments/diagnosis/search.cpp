@@ -150,12 +150,13 @@ Leader lead(const Search& search, std::size_t at, StudiedModel& base, const lab_
             const std::filesystem::path& folder, RunLog* log) {
     const ModelEffect& effect = *search.probes[at].effect;
     const Settings settings = settings_with(base.settings(), effect);
-    Leader out{&effect, {}, {}, {}, {}};
+    Leader out{&effect, {}, {}, {}, {}, {}};
     out.model = study_model(settings, sample, folder_of(folder, effect), log,
                             runs_without(base, effect, parameter_space(settings)));
     const Projection projection(out.model->linear);
-    out.location = locate(projection, regions_of(*out.model), locate_options(*out.model),
-                          directions_of(search, &effect));
+    out.regions = regions_of(*out.model);
+    out.location =
+        locate(projection, out.regions, locate_options(*out.model), directions_of(search, &effect));
     if (!search.held_out.empty())
         out.held_out =
             predict_held_out(out.model->fitted, tests_to_hold_out(*out.model), out.model->estimate);

@@ -29,6 +29,7 @@ struct Probe {
 struct Leader {
     const ModelEffect* effect;
     std::unique_ptr<StudiedModel> model;
+    std::vector<Region> regions;
     Location location;                   // the test by which the base failed, on this model
     std::vector<HeldOutScore> held_out;  // each test predicted from the others
     Finalist finalist;

@@ -109,6 +109,7 @@ json candidates_json(const Search& search) {
                           {"fit_p", leader.finalist.fit_p},
                           {"physical", leader.finalist.is_physical},
                           {"present", leader.finalist.is_present},
+                          {"regions", regions_json(leader.regions, leader.location)},
                           {"gap", leader.held_out.empty() ? json(nullptr) : json(gap(leader.held_out))}});
         }
         out.push_back(std::move(entry));
