@@ -15,7 +15,8 @@ using Eigen::VectorXd;
 // Direct runs of the diagnosis, apart from every round of the calibration.
 constexpr std::uint64_t diagnosis_round = 900;
 // The estimate is moved, and new direct runs made there, until the next move would change the curves by less
-// than this (in their noise), or so often. New packings alone move it by some tenths to one.
+// than this (in their noise), or so often. Of the whole curves a move by one
+// noise is nothing, and new packings alone can make it.
 constexpr double settled = 1;
 constexpr int most_moves = 4;
 

@@ -91,8 +91,8 @@ function heldOut(before, after) {
   return table(
     [
       { head: "Test left out", cell: (row) => row.test },
-      { head: "Gap of the base model", number: true, cell: (row) => number(row.gap, 3) },
-      { head: "Gap with the effect", number: true, cell: (row) => number(row.after, 3) },
+      { head: "Error of the base model", number: true, cell: (row) => number(row.gap, 3) },
+      { head: "Error with the effect", number: true, cell: (row) => number(row.after, 3) },
     ],
     before.map((row) => ({ ...row, after: list(after).find((a) => a.test === row.test)?.gap ?? NaN })),
   );
