@@ -166,6 +166,7 @@ Leader lead(const Search& search, std::size_t at, StudiedModel& base, const lab_
     f.is_mundane = effect.is_mundane();
     f.log_evidence = projection.log_evidence() - Projection(base.linear).log_evidence();
     f.held_out_gain = total(out.held_out) - total(search.held_out);
+    f.gap = gap(out.held_out);
     f.gap_shrinks =
         out.held_out.empty() || error_over_noise(out.held_out) < error_over_noise(search.held_out);
     f.fit_p = out.location.p_value;

@@ -15,7 +15,7 @@ bool predicts(const Finalist& f) {
 }
 
 bool is_viable(const Finalist& f) {
-    return f.fit_p > thresholds::fit_p && predicts(f);
+    return f.fit_p > thresholds::fit_p && f.gap <= thresholds::largest_gap && predicts(f);
 }
 
 double margin(const Finalist& rival, const Finalist& best) {

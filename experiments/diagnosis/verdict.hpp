@@ -15,6 +15,7 @@ struct Finalist {
     double held_out_gain = 0;  // log score of the held-out curves above the base model's (nats)
     bool gap_shrinks = true;  // the held-out curves' distance from the model, in units of noise, is less than
                               // the base's: a log score can rise by a wider prediction alone
+    double gap = 0;           // of the held-out curves beyond noise, with the effect
     double fit_p = 0;         // of the test by which the base failed, on the model with the effect
     bool is_physical = true;  // no parameter ran into a bound that the base did not
     bool is_present = true;   // the strength's interval leaves 0 out, or the effect has no strength

@@ -38,6 +38,14 @@ TEST(DiagnosisVerdict, AScoreWithoutAShrinkingGapNamesNothing) {
     EXPECT_EQ(decide(true, true, {wider}).kind, VerdictKind::outside_library);
 }
 
+TEST(DiagnosisVerdict, WhatStillMissesTheCurvesLeftOutIsNotNamed) {
+    Finalist far = finalist("cementation", 1, 50);
+    far.gap = 1.8;
+    EXPECT_EQ(decide(true, true, {far}).kind, VerdictKind::outside_library);
+    far.gap = 1.2;
+    EXPECT_EQ(decide(true, true, {far}).kind, VerdictKind::named);
+}
+
 TEST(DiagnosisVerdict, EffectsOfOneGroupAreNamedTogether) {
     Finalist simple = finalist("rotation", 1, 49);
     simple.log_evidence = 60;
