@@ -21,13 +21,20 @@ constexpr double lowest_friction = 0.003;     // rad: below it nothing gets dens
 constexpr double preparation_density = 2600;  // kg/m³; the result does not depend on it
 constexpr double compaction_inertia = 8e-3;   // inertial number while the cloud is closed
 constexpr double settling_inertia = 3e-3;     // inertial number of the servo afterwards
+// Soft particles, over the stress, take fewer steps: up to this porosity above the target the way is theirs.
+constexpr double soft_ratio = 2000, soft_margin = 2e-3;
+constexpr double stretches_at_a_friction = 30;  // of the servo, of soft particles
 
-LinearCohesive preparation_law(const PackingOptions& options, double friction) {
+LinearCohesive preparation_law(double stiffness_ratio, double stress, double friction) {
     LinearCohesive law;
-    law.young_modulus = options.stiffness_ratio * options.stress;
+    law.young_modulus = stiffness_ratio * stress;
     law.friction_angle = friction;
     law.normal_cohesion = law.shear_cohesion = 0;
     return law;
+}
+
+double softened(const PackingOptions& options) {
+    return std::min(soft_ratio, options.stiffness_ratio);
 }
 
 /// Lowers the friction, a little at a time under constant stress, until the packing is dense enough; then
@@ -48,7 +55,7 @@ class Densification {
         for (int attempt = 0; attempt < most_attempts; ++attempt) {
             if (attempt > 0) simulation_ = start;
             lower_friction(enough, factor);
-            simulation_.set_law(preparation_law(options_, high_friction));
+            simulation_.set_law(preparation_law(options_.stiffness_ratio, options_.stress, high_friction));
             ServoOptions gentle = servo_;
             gentle.unbalanced_ratio = 0.005;
             rest = consolidate(simulation_, options_.stress, gentle, [this] { return poll_(), false; });
@@ -69,12 +76,26 @@ class Densification {
 
     void lower_friction(double enough, double factor) {
         friction_ = high_friction;
+        const double soft = softened(options_);
+        lower_friction(enough + soft_margin, factor, soft);
+        // The soft contacts' overlaps are released, and what opens closes again on the rest of the way.
+        lower_friction(enough, factor, options_.stiffness_ratio);
+    }
+
+    void lower_friction(double enough, double factor, double stiffness_ratio) {
+        // Stiffer particles take more steps to move as far.
+        const double stretches =
+            stretches_at_a_friction * std::sqrt(std::max(1.0, stiffness_ratio / soft_ratio));
         StressServo steer(Vector3d::Constant(options_.stress), servo_);
+        const auto stay = [&] {
+            simulation_.set_law(preparation_law(stiffness_ratio, options_.stress, friction_));
+            for (int k = 0; k < stretches && simulation_.porosity() > enough; ++k) steer.advance(simulation_);
+            poll_();
+        };
+        if (stiffness_ratio > soft_ratio) stay();
         while (simulation_.porosity() > enough && friction_ > lowest_friction) {
             friction_ *= factor;
-            simulation_.set_law(preparation_law(options_, friction_));
-            for (int k = 0; k < 30 && simulation_.porosity() > enough; ++k) steer.advance(simulation_);
-            poll_();
+            stay();
         }
     }
 
@@ -144,7 +165,8 @@ void PackingOptions::validate() const {
 
 PackingResult make_packing(const PackingOptions& options, const std::function<bool()>& cancelled) {
     options.validate();
-    Simulation simulation(make_cloud(options), preparation_law(options, high_friction), preparation());
+    Simulation simulation(make_cloud(options),
+                          preparation_law(softened(options), options.stress, high_friction), preparation());
     return compact(simulation, options, cancelled);
 }
 
@@ -159,7 +181,8 @@ BoxedPackingResult make_boxed_packing(const BoxedPackingOptions& options,
                                       const std::function<bool()>& cancelled) {
     options.validate();
     const BoxedCloud cloud = make_boxed_cloud(options, options.proportions, options.margin);
-    Simulation simulation(cloud.packing, preparation_law(options, high_friction), preparation());
+    Simulation simulation(cloud.packing, preparation_law(softened(options), options.stress, high_friction),
+                          preparation());
     const BoxWalls walls = add_box(simulation, cloud.box);
     BoxedPackingResult result{compact(simulation, options, cancelled), present_box(simulation, walls)};
     return result;
