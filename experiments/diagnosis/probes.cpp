@@ -18,6 +18,10 @@ using Eigen::VectorXd;
 constexpr std::uint64_t fingerprints_from = 20'000'000, runs_of_a_trial = 1000;  // indices of their runs
 constexpr Index fewest_pairs = 2;
 constexpr int leader_rounds = 1;  // of added runs in an effect's own ensemble
+// A fingerprint is looked for at up to so many strengths until it is so many noises long: a few packings
+// scatter by some three in the mean, and what is shorter says little of the direction.
+constexpr int most_strengths = 3;
+constexpr double long_enough = 6, nearly = 0.7;
 
 double root_mean_square(const surrogate::Prior& prior) {
     constexpr int points = 200;
@@ -81,15 +85,32 @@ Probe probe_effect(const StudiedModel& base, const ModelEffect& effect, const la
     Probe out;
     out.effect = &effect;
     out.print.effect = effect.name;
+    double most = out.print.strength;
     if (const surrogate::Prior* prior = prior_of_strength(effect, campaign.space())) {
         out.print.two_sided = prior->from_unit(0) < 0;
         out.print.strength = prior->from_unit(prior->quantile_unit(out.print.two_sided ? 0.84 : 0.5));
         out.usual_strength = root_mean_square(*prior);
+        most = prior->from_unit(prior->quantile_unit(0.95));
     }
-    const EffectChange change = change_with(base, effect, campaign, out.print.strength);
-    out.print.change = change.mean();
-    out.runs = change.runs;
-    out.failed = change.failed;
+    const Projection projection(base.linear);
+    double next = out.print.strength;
+    for (std::uint64_t trial = 0; trial < most_strengths; ++trial) {
+        EffectChange change;
+        try {
+            change = change_with(base, effect, campaign, next, trial);
+        } catch (const TooFewRuns&) {
+            if (trial == 0) throw;
+            break;  // so much of it cannot be simulated
+        }
+        out.print.strength = next;
+        out.print.change = change.mean();
+        out.runs += change.runs;
+        out.failed += change.failed;
+        const double length = length_of(projection, change);
+        out.print.runs = std::move(change);
+        if (length >= nearly * long_enough || next >= nearly * most) break;
+        next = std::min(most, next * std::clamp(long_enough / std::max(length, 1e-3), 1.5, 5.0));
+    }
     return out;
 }
 
@@ -97,8 +118,8 @@ EffectChange change_with(const StudiedModel& base, const ModelEffect& effect, Ca
                          double strength, std::uint64_t trial) {
     const std::vector<RunSpec> specs = specs_with(base, campaign.space(), strength, trial);
     const std::vector<RunRecord> runs = campaign.run(fmt::format("fingerprint of {}", effect.name), specs);
-    EffectChange out{Eigen::MatrixXd(base.linear.residual.size(), static_cast<Index>(runs.size())),
-                     runs.size(), 0};
+    EffectChange out{
+        Eigen::MatrixXd(base.linear.residual.size(), static_cast<Index>(runs.size())), {}, runs.size(), 0};
     Index pairs = 0;
     for (const RunRecord& run : runs) {
         const auto same = std::ranges::find_if(base.direct, [&](const RunRecord& other) {
@@ -106,11 +127,12 @@ EffectChange change_with(const StudiedModel& base, const ModelEffect& effect, Ca
         });
         if (!run.ok || same == base.direct.end()) continue;
         out.of_packing.col(pairs++) = transformed(base, run.outputs) - transformed(base, same->outputs);
+        out.packings.push_back(run.spec.packing_seed);
     }
     if (pairs < fewest_pairs)
-        throw std::runtime_error(fmt::format("{} of {} runs with {} failed: {}",
-                                             runs.size() - static_cast<std::size_t>(pairs), runs.size(),
-                                             effect.name, runs.empty() ? "" : runs.front().reason));
+        throw TooFewRuns(fmt::format("{} of {} runs with {} failed: {}",
+                                     runs.size() - static_cast<std::size_t>(pairs), runs.size(), effect.name,
+                                     runs.empty() ? "" : runs.front().reason));
     out.of_packing.conservativeResize(Eigen::NoChange, pairs);
     out.failed = runs.size() - static_cast<std::size_t>(pairs);
     return out;

@@ -1,6 +1,8 @@
 // Direct runs of each effect at the calibrated point, on the packings of the base model's direct runs.
 #pragma once
 
+#include <stdexcept>
+
 #include "experiments/diagnosis/search.hpp"
 
 namespace loam::experiments {
@@ -14,21 +16,19 @@ std::filesystem::path folder_of(const std::filesystem::path& folder, const Model
 /// The prior of the effect's strength, or nullptr where it has none.
 const surrogate::Prior* prior_of_strength(const ModelEffect& effect, const ParameterSpace& space);
 
-/// What an effect of that strength (SI) changes in the base model's direct runs, on common packings.
-struct EffectChange {
-    Eigen::MatrixXd of_packing;  // [m x packings] transformed
-    std::size_t runs = 0, failed = 0;
-
-    Eigen::VectorXd mean() const { return of_packing.rowwise().mean(); }
+/// Too many of the runs with an effect failed for its fingerprint.
+struct TooFewRuns : std::runtime_error {
+    using std::runtime_error::runtime_error;
 };
 
-/// `campaign`: of the model with the effect. `trial`: numbers the strengths that are tried on it. Throws
-/// std::runtime_error where too many runs fail.
+/// What an effect of that strength (SI) changes in the base model's direct runs. `campaign`: of the model
+/// with the effect. `trial`: numbers the strengths that are tried on it. Throws TooFewRuns.
 EffectChange change_with(const StudiedModel& base, const ModelEffect& effect, Campaign& campaign,
                          double strength, std::uint64_t trial = 0);
 
-/// The fingerprint of the effect, at its prior's median strength (the upper 16 % point where the strength may
-/// be negative). Throws std::runtime_error where too many of its runs fail.
+/// The fingerprint of the effect: at its prior's median strength (the upper 16 % point where the strength may
+/// be negative), or, where that drowns in the scatter of the packings, at a greater one that shows, up to the
+/// prior's 95 % point. Throws TooFewRuns.
 Probe probe_effect(const StudiedModel& base, const ModelEffect& effect, const lab_data::Sample& sample,
                    const std::filesystem::path& folder, RunLog* log);
 

@@ -35,7 +35,7 @@ inline constexpr double fit_p = 0.001;
 // only 2.6 above the noise: below what is called significant here.
 inline constexpr double same_group_cosine = 0.9;
 
-// A fingerprint below one noise at a usual strength (its prior's median) cannot be seen in these tests.
+// A fingerprint below one noise at every strength that was tried cannot be seen in these tests.
 inline constexpr double least_visible = 1;
 
 // Leaders are effects that explain at least this much of the whitened projected residual's square: a z

@@ -120,16 +120,6 @@ bool is_near(const TwinTruth& twin) {
     return twin.reached * near_enough >= twin.wanted && twin.reached <= near_enough * twin.wanted;
 }
 
-/// Length of the mean change in noises, from the products of different packings' changes: the square of the
-/// mean itself would be larger by what the packings scatter, for runs that begin alike soon differ by chance.
-double length_of(const Projection& projection, const Eigen::MatrixXd& changes) {
-    const auto n = static_cast<double>(changes.cols());
-    const VectorXd sum = changes.rowwise().sum();
-    double products = projection.inner(sum, sum);
-    for (Index k = 0; k < changes.cols(); ++k) products -= projection.inner(changes.col(k), changes.col(k));
-    return std::sqrt(std::max(0.0, products / (n * (n - 1))));
-}
-
 }  // namespace
 
 nlohmann::json to_json(const TwinTruth& t) {
@@ -202,8 +192,7 @@ std::vector<std::vector<TwinFactory::Strength>> TwinFactory::find_strengths(int 
             for (int k = 0; k < most_trials; ++k) {
                 next = std::clamp(next, 1e-3 * most, most);
                 const double now = std::max(
-                    0.1,
-                    length_of(projection, change_with(*base, *effect, campaign, next, ++trial).of_packing));
+                    0.1, length_of(projection, change_with(*base, *effect, campaign, next, ++trial)));
                 if (best.value == 0 ||
                     std::abs(std::log(now / wanted)) < std::abs(std::log(best.reached / wanted)))
                     best = {next, now};

@@ -243,6 +243,36 @@ TEST(DiagnosisFingerprints, GroupsWhatTheTestsCannotTellApart) {
     EXPECT_NE(apart.group[0], apart.group[1]);
 }
 
+// Two effects without anything in common, measured on the same few packings whose scatter is in both: the
+// means' product would make them alike, and each longer than it is.
+TEST(DiagnosisFingerprints, ScatterOfCommonPackingsMakesNothingAlikeOrLonger) {
+    const Projection projection(toy(VectorXd::Zero(m), toy_noise()));
+    VectorXd other = VectorXd::Zero(m);
+    other.segment(2 * readings, 6).setOnes();
+    optimizers::Random random(7);
+    const double scatter = 0.8 / std::sqrt(projection.inner(VectorXd::Unit(m, 0), VectorXd::Unit(m, 0)));
+    double one_square = 0, both = 0, biased = 0;
+    constexpr int repeats = 2000, packings = 4;
+    for (int k = 0; k < repeats; ++k) {
+        EffectChange one{MatrixXd(m, packings), {1, 2, 3, 4}, packings, 0}, two = one;
+        for (int p = 0; p < packings; ++p) {
+            const VectorXd chance = scatter * normals(random, m);
+            one.of_packing.col(p) = step() + chance;
+            two.of_packing.col(p) = other + chance;
+        }
+        one_square += inner_product(projection, one, one) / repeats;
+        both += inner_product(projection, one, two) / repeats;
+        biased += projection.inner(one.mean(), two.mean()) / repeats;
+    }
+    EXPECT_NEAR(one_square, projection.inner(step(), step()), 0.3);
+    EXPECT_NEAR(both, projection.inner(step(), other), 0.3);
+    EXPECT_GT(biased, both + 2);
+    // One packing that only one of them has is no reason to drop it.
+    const EffectChange alone{MatrixXd(step()), {9}, 1, 0}, apart{MatrixXd(other), {8}, 1, 0};
+    EXPECT_NEAR(inner_product(projection, alone, apart), projection.inner(step(), other), 1e-9);
+    EXPECT_EQ(inner_product(projection, alone, alone), 0);
+}
+
 TEST(DiagnosisFingerprints, ExplainedStrengthAndSign) {
     const MatrixXd noise = 1e-6 * MatrixXd::Identity(m, m);
     const VectorXd r = 3 * step() + toy_jacobian() * Eigen::Vector2d(0.5, -1);
