@@ -76,9 +76,8 @@ class Densification {
 
     void lower_friction(double enough, double factor) {
         friction_ = high_friction;
-        const double soft = softened(options_);
-        lower_friction(enough + soft_margin, factor, soft);
         // The soft contacts' overlaps are released, and what opens closes again on the rest of the way.
+        if (options_.stiffness_ratio > soft_ratio) lower_friction(enough + soft_margin, factor, soft_ratio);
         lower_friction(enough, factor, options_.stiffness_ratio);
     }
 

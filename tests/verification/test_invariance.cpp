@@ -51,7 +51,6 @@ const Packing& packing_of(const ContactLaw& law) {
     options.particles = 200;
     options.target_porosity = 0.44;
     options.seed = 5;
-    options.stiffness_ratio = 2000;  // many contacts: what rounding starts grows slowly
     ContactLaw base = law;
     base.rolling.friction = 0;
     SimulationOptions how;
