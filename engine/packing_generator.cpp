@@ -60,7 +60,7 @@ class Densification {
             gentle.unbalanced_ratio = 0.005;
             rest = consolidate(simulation_, options_.stress, gentle, [this] { return poll_(), false; });
             const double off = simulation_.porosity() - options_.target_porosity;
-            const bool dense_from_the_start = friction_ == high_friction;
+            const bool dense_from_the_start = friction_ == high_friction && off < 0;
             if (std::abs(off) <= options_.tolerance || friction_ <= lowest_friction || dense_from_the_start)
                 break;
             enough -= off;
@@ -86,15 +86,15 @@ class Densification {
         const double stretches =
             stretches_at_a_friction * std::sqrt(std::max(1.0, stiffness_ratio / soft_ratio));
         StressServo steer(Vector3d::Constant(options_.stress), servo_);
-        const auto stay = [&] {
+        const auto stay = [&](double until) {
             simulation_.set_law(preparation_law(stiffness_ratio, options_.stress, friction_));
-            for (int k = 0; k < stretches && simulation_.porosity() > enough; ++k) steer.advance(simulation_);
+            for (int k = 0; k < stretches && simulation_.porosity() > until; ++k) steer.advance(simulation_);
             poll_();
         };
-        if (stiffness_ratio > soft_ratio) stay();
+        if (stiffness_ratio > soft_ratio) stay(0);  // how dense it is shows after the rebound
         while (simulation_.porosity() > enough && friction_ > lowest_friction) {
             friction_ *= factor;
-            stay();
+            stay(enough);
         }
     }
 

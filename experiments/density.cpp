@@ -25,7 +25,7 @@ LimitVoidRatios limits_of_spheres(double spread) {
     struct Row {
         double spread, least, greatest;
     };
-    constexpr std::array rows{Row{0, 0.580, 1.19}, Row{0.3, 0.560, 1.039}, Row{0.6, 0.534, 1.024}};
+    constexpr std::array rows{Row{0, 0.584, 1.19}, Row{0.3, 0.564, 1.039}, Row{0.6, 0.538, 1.024}};
     const std::size_t k = spread < 0.3 ? 0 : 1;
     const double share = std::min(1.0, (spread - rows[k].spread) / (rows[k + 1].spread - rows[k].spread));
     return {std::lerp(rows[k].least, rows[k + 1].least, share),

@@ -13,8 +13,10 @@ struct LimitVoidRatios {
     double least = 0, greatest = 0;
 };
 
-/// Of spheres with radii uniform within 1 +- spread, as the packing generator makes them (measured: three
-/// packings of 1,500 at spreads of 0, 0.3 and 0.6, scatter 0.01; between them interpolated).
+/// Of spheres with radii uniform within 1 +- spread, between measurements at spreads of 0, 0.3 and 0.6: the
+/// densest as the packing generator makes them (three packings of 1,500, scatter 0.003); the loosest by
+/// compaction of a cloud as dense as random addition fills it, at a friction of 1.2 rad. Out of a gas the
+/// generator makes still looser ones, up to 1.4, which no grains keep that can roll.
 LimitVoidRatios limits_of_spheres(double spread);
 
 /// Of the soil: its properties minimum_void_ratio and maximum_void_ratio; else from the median grain size of
@@ -27,10 +29,10 @@ LimitVoidRatios limits_of_soil(const lab_data::Sample& sample);
 /// or it does not reach half.
 double median_grain_size(const lab_data::Sample& sample);
 
-/// Half the width of the grading over its middle, (d_max - d_min) / (d_max + d_min), where the largest grains are
-/// at most three times the smallest, so that spheres of all sizes can be simulated; none where it is wider or
-/// not stated from end to end (0.5 % by mass). Packings of one void ratio are the denser for what they can be,
-/// the narrower the grading: at +- 20 % instead of 30 % an oedometer gives a tenth less strain.
+/// Half the width of the grading over its middle, (d_max - d_min) / (d_max + d_min), where the largest grains
+/// are at most three times the smallest, so that spheres of all sizes can be simulated; none where it is
+/// wider or not stated from end to end (0.5 % by mass). Packings of one void ratio are the denser for what
+/// they can be, the narrower the grading: at +- 20 % instead of 30 % an oedometer gives a tenth less strain.
 std::optional<double> spread_of_grading(const lab_data::Sample& sample);
 
 /// Porosity at which the test's specimen is made: the setting's; else, from the measured initial void ratio,

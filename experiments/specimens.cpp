@@ -1,7 +1,6 @@
 #include "experiments/specimens.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <stdexcept>
 #include <utility>
 
@@ -10,18 +9,11 @@
 namespace loam::experiments {
 namespace {
 
-/// Modulus of the particles that specimens are made of, over the stress. What soft ones overlap goes into
-/// rebound when the test's stiffer ones take their place, and contacts open. Made at 2,000 instead of 20,000,
-/// a dense specimen gave half as much oedometer strain again at 15 kPa and a tenth more at 1 MPa, and YADE's
-/// dense specimens (reference/yade, packings 5 to 7; the twins) are like the stiff ones; 50,000 gave the
-/// same. Loose cohesive specimens of YADE (flanders_twin_125) are like the soft ones, whose many near
-/// contacts cohesion holds: with stiff ones the fit's error was 4.3e-3 for 3.0e-3, and the modulus came out
-/// four times too high instead of less than twice. Between the two this goes over.
-double preparation_stiffness(double porosity) {
-    constexpr double dense = 0.44, loose = 0.48, stiff = 20'000, soft = 2'000;
-    const double share = std::clamp((porosity - dense) / (loose - dense), 0.0, 1.0);
-    return stiff * std::pow(soft / stiff, share);
-}
+// Modulus of the particles that specimens are made of, over the stress. What soft ones overlap goes into
+// rebound when the test's stiffer ones take their place, and contacts open: made at 2,000 instead of 20,000,
+// a dense specimen gives half as much oedometer strain again at 15 kPa and a tenth more at 1 MPa; 50,000
+// gives the same.
+constexpr double preparation_stiffness = 20'000;
 
 Specimen make(const SpecimenSettings& settings, double porosity, const SpecimenShape& shape,
               std::uint64_t seed, const StopToken& stop) {
@@ -31,7 +23,7 @@ Specimen make(const SpecimenSettings& settings, double porosity, const SpecimenS
     options.stress = 1000 * settings.preparation_stress_kPa;
     // Beyond what spheres can reach, the nearest reachable packing is made; its porosity is reported.
     options.target_porosity = std::clamp(porosity, 0.06, 0.59);
-    options.stiffness_ratio = preparation_stiffness(porosity);
+    options.stiffness_ratio = preparation_stiffness;
     options.seed = seed;
     const auto cancelled = [&] { return stop.stop_requested(); };
     if (!shape.proportions) {

@@ -43,7 +43,7 @@ const std::array table{
          "loam report runs/calibrate-dobrany-sand", run_report},
     Verb{"effects", "list laws and effects with parameters, units, bounds, sources", "", "",
          "loam effects", run_effects},
-    Verb{"bench", "run a benchmark: twins | joint-twins | diagnose | bulk | rate | engine", "NAME", "which benchmark", "loam bench engine", run_bench},
+    Verb{"bench", "run a benchmark: twins | joint-twins | diagnose | atlas | bulk | rate | engine", "NAME", "which benchmark", "loam bench engine", run_bench},
     Verb{"test", "run the test suite (see ./loam test --help)", "", "", "loam test", explain_test},
 };
 // clang-format on

@@ -22,7 +22,7 @@ foreach(asset template.html style.css page/loader.js
               sections/posterior.js sections/pairs.js sections/emulator.js sections/emulator_charts.js
               sections/sensitivity.js sections/heat_map.js sections/packing.js sections/quasi_static.js
               sections/bulk_samples.js sections/bulk_groups.js sections/bulk_correlations.js sections/bulk_ensemble.js
-              sections/settings.js sections/diagnosis.js)
+              sections/settings.js sections/diagnosis.js sections/atlas.js)
   list(APPEND report_assets ${asset}=${CMAKE_CURRENT_LIST_DIR}/${asset})
 endforeach()
 loam_embed(TARGET loam_experiments HEADER "experiments/report/assets.hpp"

@@ -17,8 +17,9 @@ struct Benchmark {
 };
 
 constexpr std::array table{Benchmark{"twins", bench_twins},       Benchmark{"joint-twins", bench_joint_twins},
-                           Benchmark{"diagnose", bench_diagnose}, Benchmark{"bulk", bench_bulk},
-                           Benchmark{"rate", bench_rate},         Benchmark{"engine", bench_engine}};
+                           Benchmark{"diagnose", bench_diagnose}, Benchmark{"atlas", bench_atlas},
+                           Benchmark{"bulk", bench_bulk},         Benchmark{"rate", bench_rate},
+                           Benchmark{"engine", bench_engine}};
 
 }  // namespace
 

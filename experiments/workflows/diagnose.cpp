@@ -25,14 +25,16 @@ std::string text_of(const json& result, const std::string& report) {
         text += fmt::format("{:<46} {:<18} {:>7.1f}\n",
                             region["test"].get<std::string>() + ", " + region["channel"].get<std::string>(),
                             region["region"].get<std::string>(), region["z"].get<double>());
-    text += fmt::format("\n{:<22} {:>12} {:>12} {:>14} {:>8}\n", "effect", "log score", "probability",
-                        "held-out gain", "fit p");
+    text += fmt::format("\n{:<22} {:>12} {:>12} {:>14} {:>8} {:>10}\n", "effect", "log score", "probability",
+                        "held-out gain", "fit p", "strength");
     for (const json& c : result["candidates"]) {
         const bool led = c["stage"] == "ensemble";
-        text += fmt::format("{:<22} {:>12.1f} {:>12.2f} {:>14} {:>8}\n", c["effect"].get<std::string>(),
-                            c["log_score"].get<double>(), c["probability"].get<double>(),
-                            led ? fmt::format("{:.1f}", c["held_out_gain"].get<double>()) : "-",
-                            led ? fmt::format("{:.2g}", c["fit_p"].get<double>()) : "-");
+        text += fmt::format(
+            "{:<22} {:>12.1f} {:>12.2f} {:>14} {:>8} {:>10}\n", c["effect"].get<std::string>(),
+            c["log_score"].get<double>(), c["probability"].get<double>(),
+            led ? fmt::format("{:.1f}", c["held_out_gain"].get<double>()) : "-",
+            led ? fmt::format("{:.2g}", c["fit_p"].get<double>()) : "-",
+            led && c["strength"].is_number() ? fmt::format("{:.3g}", c["strength"].get<double>()) : "-");
     }
     if (!result["shrink"].is_null())
         text += fmt::format("\nheld-out gap: {:.2f} before, {:.2f} after (in noises, beyond noise alone)\n",

@@ -87,6 +87,18 @@ json regions_json(const std::vector<Region>& regions, const Location& location) 
     return out;
 }
 
+/// The estimates of the leader's model by name, SI, and the strength of its effect among them.
+json estimates_json(const Leader& leader) {
+    const ParameterSpace& space = leader.model->campaign.space();
+    const Eigen::VectorXd values = space.physical(leader.model->estimate);
+    json parameters = json::object(), strength = nullptr;
+    for (std::size_t p = 0; p < space.parameters.size(); ++p)
+        parameters[std::string(space.parameters[p].name)] = values[static_cast<Index>(p)];
+    if (!leader.effect->parameters.empty())
+        strength = parameters[std::string(leader.effect->parameters.front().name)];
+    return {{"parameters", parameters}, {"strength", strength}};
+}
+
 json candidates_json(const Search& search) {
     std::vector<json> out;
     for (std::size_t k = 0; k < search.probes.size(); ++k) {
@@ -102,6 +114,7 @@ json candidates_json(const Search& search) {
         for (std::size_t l = 0; l < search.leaders.size(); ++l) {
             const Leader& leader = search.leaders[l];
             if (leader.effect != probe.effect) continue;
+            entry.update(estimates_json(leader));
             entry.update({{"log_score", leader.finalist.log_evidence},
                           {"probability", search.probabilities[l]},
                           {"stage", "ensemble"},

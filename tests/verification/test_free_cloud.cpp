@@ -110,7 +110,7 @@ TEST_P(FreeCloud, MomentumAndAngularMomentumStayToRounding) {
     if (how.free_rotation) simulation.set_spins(at_random(count, speed / radius, 2));
     const Momenta start = momenta(simulation);
     int met = 0;
-    for (int k = 0; k < 20; ++k) {
+    for (int k = 0; k < 40; ++k) {
         simulation.advance(50);
         met += simulation.measured().contacts > 0 ? 1 : 0;
         const Momenta now = momenta(simulation);

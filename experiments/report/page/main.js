@@ -9,6 +9,12 @@ const has = (value) => Boolean(value) && typeof value === "object" && Object.key
 const sections = [
   { id: "diagnosis", title: "Diagnosis", module: "sections/diagnosis.js", wanted: (d) => has(d.diagnosis) },
   {
+    id: "atlas",
+    title: "Signatures of the effects",
+    module: "sections/atlas.js",
+    wanted: (d) => list(d.atlas).length > 0,
+  },
+  {
     id: "samples",
     title: "Samples",
     module: "sections/bulk_samples.js",

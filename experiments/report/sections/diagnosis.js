@@ -64,6 +64,7 @@ function candidates(rows) {
       { head: "Probability", number: true, cell: (c) => led(c, (r) => r.probability.toFixed(2)) },
       { head: "Held-out gain", number: true, cell: (c) => led(c, (r) => number(r.held_out_gain, 3)) },
       { head: "Fits (p)", number: true, cell: (c) => led(c, (r) => number(r.fit_p, 2)) },
+      { head: "Strength (SI)", number: true, cell: (c) => led(c, (r) => number(r.strength, 3)) },
       { head: "Physical", cell: (c) => led(c, (r) => yesNo(r.physical && r.present)) },
       {
         head: "Would have shown from",

@@ -73,7 +73,7 @@ function chartData(test, axes) {
 }
 
 // The legend's entries for what the data holds.
-function legendEntries(data, styles, points) {
+function legendEntries(data, styles, points, bandName) {
   const holds = (name) => data.find((d) => d.name === name).values.length > 0;
   const several = styles.length > 1;
   const entries = [];
@@ -87,7 +87,7 @@ function legendEntries(data, styles, points) {
     for (const s of styles)
       add(several ? `simulated, ${s.phase}` : "simulated", "transparent", palette.simulated, "stroke", s.dash);
   }
-  if (holds("band")) add("90 % credible band", palette.band, palette.band, "square", []);
+  if (holds("band")) add(bandName, palette.band, palette.band, "square", []);
   if (holds("replicates")) add("single packings", "transparent", palette.replicate, "stroke", []);
   if (points.some((row) => row.outside))
     add("outside the expected scatter", palette.alarm, palette.alarm, "circle", []);
@@ -221,7 +221,7 @@ function makeSpec(test, figureWidth) {
   const width = figureWidth - 78;
   const height = Math.round(Math.min(380, Math.max(240, 0.6 * width)));
   const size = list(test.x).length > 60 ? 14 : 48;
-  const key = legend(legendEntries(data, styles, rows), width);
+  const key = legend(legendEntries(data, styles, rows, test.band_name ?? "90 % credible band"), width);
   const main = {
     ...panel(0, width, height),
     scales: scales(axes, width, height).slice(1),

@@ -15,6 +15,9 @@ int bench_joint_twins(const Settings& settings);
 /// Blind twins with and without hidden effects, each diagnosed: how often the diagnosis is right.
 int bench_diagnose(const Settings& settings);
 
+/// What each effect does to the curves of each kind of test: a table, and a page of charts.
+int bench_atlas(const Settings& settings);
+
 /// The cost of a data set by the number of its samples.
 int bench_bulk(const Settings& settings);
 

@@ -173,6 +173,21 @@ class ReportTest(unittest.TestCase):
         self.assertNotIn("Identified?", page.text)
         self.assertNotIn("credible band", page.text)
 
+    def test_atlas(self):
+        whole = fixture.document(draws=2, runs=2, side=2)
+        keep = ("file", "channel", "x_name", "x_unit", "x_log", "y_unit", "x", "phase", "simulated", "band_lower", "band_upper")
+        curves = [{**{k: t[k] for k in keep}, "band_name": "without it", "largest": size, "at": t["x"][1], "certain": size < 0}
+                  for t, size in zip(whole["tests"], (-0.25, 0.004, 0.5))]
+        row = {"meaning": "a moment against rolling", "rotation": "free", "curves": curves}
+        page = self.opened({"verb": "bench atlas", "name": "signatures", "atlas": [
+            {**row, "effect": "rolling_resistance", "strength": 0.25, "parameter": "rolling_friction", "unit": "1"},
+            {**row, "effect": "rotation", "strength": None}]})
+        self.assertEqual(page.count("data-charts-drawn"), 6)
+        for text in ["rolling friction 0.25 ", "there or not", "−25 %", "+50 %", "without it", "A moment against rolling. Here:"]:
+            self.assertIn(text, page.text)
+        self.assertNotIn("credible band", page.text)
+        self.assertNotRegex(page.text, r"\bNaN\b|\bundefined\b|\bnull\b")
+
     def test_missing_numbers_leave_gaps(self):
         rng = random.Random(5)
 
