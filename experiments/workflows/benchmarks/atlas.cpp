@@ -170,7 +170,7 @@ json row_of(const ModelEffect& effect, const Settings& base_settings, const Camp
         row["unit"] = effect.parameters.front().unit;
     }
     const std::vector<RunRecord> runs =
-        direct_runs(campaign, values, 0, packings, fmt::format("with {}", effect.name));
+        direct_runs(campaign, values, 0, packings, fmt::format("with {}: ", effect.name));
     const Curves with = compare(base_runs, runs);
     const VectorXd mean = mean_outputs(base_runs), sd = sd_outputs(base_runs);
     for (const CampaignCurve& curve : base.curves())
@@ -222,22 +222,23 @@ int bench_atlas(const Settings& given) {
         std::filesystem::create_directories(place);
         Campaign base(base_settings, sample, place, &log);
         const std::vector<RunRecord> runs =
-            direct_runs(base, base.space().values, 0, packings, fmt::format("rotation {}", rotation));
+            direct_runs(base, base.space().values, 0, packings, fmt::format("rotation {}: ", rotation));
         for (const ModelEffect* effect : candidates_for(base_settings, base)) {
             // Freed rotation alone starts from the model that blocks it.
             if ((effect->origin == EffectOrigin::rotation) != (base_settings.rotation == "blocked")) continue;
             rows.push_back(row_of(*effect, base_settings, base, runs, sample, place, log));
         }
     }
-    json document{{"verb", "bench atlas"},
-                  {"name", "a dense sand"},
-                  {"description",
-                   "Spheres by the law linear-damped, dense: what each effect of the library adds to the curves."},
-                  {"verdict", fmt::format("{} effects, each by {} direct DEM runs beside the same packings "
-                                          "without it.",
-                                          rows.size(), packings)},
-                  {"atlas", rows},
-                  {"settings", to_toml(settings)}};
+    json document{
+        {"verb", "bench atlas"},
+        {"name", "a dense sand"},
+        {"description",
+         "Spheres by the law linear-damped, dense: what each effect of the library adds to the curves."},
+        {"verdict", fmt::format("{} effects, each by {} direct DEM runs beside the same packings "
+                                "without it.",
+                                rows.size(), packings)},
+        {"atlas", rows},
+        {"settings", to_toml(settings)}};
     write_file_atomically(folder.file("report.json"), document.dump() + "\n");
     write_file_atomically(folder.file("report.html"), report_html(document));
     if (given.json)
