@@ -49,17 +49,8 @@ lab_data::Sample atlas_tests() {
     lab_data::Sample sample = reference_sample();
     sample.name = "atlas";
     sample.tests.clear();
-    lab_data::Test oedometer;
-    oedometer.file = "oedometer.csv";
-    oedometer.seating_stress = 2e3;
-    for (const double stage : {10e3, 20e3, 40e3, 80e3, 160e3, 320e3, 640e3, 1280e3, 320e3, 80e3, 20e3}) {
-        const bool falls = !oedometer.lines.empty() && stage < oedometer.columns["axial_stress"].back();
-        oedometer.columns["axial_stress"].push_back(stage);
-        oedometer.columns["axial_strain"].push_back(0);
-        oedometer.phase.emplace_back(falls ? "unloading" : "loading");
-        oedometer.lines.push_back(static_cast<int>(oedometer.lines.size()) + 2);
-    }
-    sample.tests.push_back(std::move(oedometer));
+    sample.tests.push_back(oedometer_without_readings(
+        2e3, {10e3, 20e3, 40e3, 80e3, 160e3, 320e3, 640e3, 1280e3, 320e3, 80e3, 20e3}));
     for (const double pressure : {50e3, 200e3}) {
         lab_data::Test test = test_without_readings(
             lab_data::TestKind::triaxial, fmt::format("triaxial_{:.0f}kPa.csv", pressure / 1e3),

@@ -20,6 +20,20 @@ lab_data::Test test_without_readings(lab_data::TestKind kind, std::string file, 
     return test;
 }
 
+lab_data::Test oedometer_without_readings(double seating_stress, std::initializer_list<double> stages) {
+    lab_data::Test test;
+    test.file = "oedometer.csv";
+    test.seating_stress = seating_stress;
+    for (const double stage : stages) {
+        const bool falls = !test.lines.empty() && stage < test.columns["axial_stress"].back();
+        test.columns["axial_stress"].push_back(stage);
+        test.columns["axial_strain"].push_back(0);
+        test.phase.emplace_back(falls ? "unloading" : "loading");
+        test.lines.push_back(static_cast<int>(test.lines.size()) + 2);
+    }
+    return test;
+}
+
 Observation observed(const Observation& form, const std::vector<Index>& columns, const RunRecord& run,
                      std::uint64_t seed) {
     Observation out = form;

@@ -14,6 +14,10 @@ namespace loam::experiments {
 lab_data::Test test_without_readings(lab_data::TestKind kind, std::string file, const char* x, double to,
                                      int readings, std::initializer_list<const char*> channels);
 
+/// An oedometer test with these stages (Pa), of which one below that before it is unloading, and strains of
+/// 0.
+lab_data::Test oedometer_without_readings(double seating_stress, std::initializer_list<double> stages);
+
 /// The observation of a soil: its run's outputs with the noise that the observation's curves assume.
 Observation observed(const Observation& form, const std::vector<Eigen::Index>& columns, const RunRecord& run,
                      std::uint64_t seed);
