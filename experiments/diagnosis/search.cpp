@@ -133,8 +133,15 @@ void test_base(Search& search, const StudiedModel& base) {
     }
 }
 
-/// Places of the probes that lead, best first.
-std::vector<std::size_t> leading(const Search& search, int most) {
+/// Whether the effect's strength 0 is not the base: freed rotation comes with it. What it does is then no
+/// small change, and its fingerprint at one strength says little of what its best strength explains.
+bool is_beyond_fingerprints(const ModelEffect& effect, const Settings& base) {
+    return effect.needs_rotation() && base.rotation != "free";
+}
+
+/// Places of the probes that lead, best first, and of those that their fingerprint cannot rule out.
+std::vector<std::size_t> leading(const Search& search, const Settings& base) {
+    const int most = base.diagnosis.leaders;
     std::vector<std::size_t> out;
     for (std::size_t k = 0; k < search.probes.size(); ++k)
         if (search.probes[k].explained.chi_squared >= thresholds::least_explained &&
@@ -143,6 +150,9 @@ std::vector<std::size_t> leading(const Search& search, int most) {
     std::ranges::stable_sort(out, std::greater{},
                              [&](std::size_t k) { return search.probes[k].explained.chi_squared; });
     out.resize(std::min(out.size(), static_cast<std::size_t>(most)));
+    for (std::size_t k = 0; k < search.probes.size(); ++k)
+        if (is_beyond_fingerprints(*search.probes[k].effect, base) && std::ranges::find(out, k) == out.end())
+            out.push_back(k);
     return out;
 }
 
@@ -215,7 +225,7 @@ Search search_for_effect(StudiedModel& base, const lab_data::Sample& sample,
     report(fmt::format("where the model fails: p = {:.2g}, largest |z| {:.1f} (threshold {:.1f})",
                        out.location.p_value, out.location.z.cwiseAbs().maxCoeff(), out.location.threshold));
     if (out.location.alarm)
-        for (const std::size_t k : leading(out, base.settings().diagnosis.leaders)) {
+        for (const std::size_t k : leading(out, base.settings())) {
             report(fmt::format("ensemble with {}", out.probes[k].effect->name));
             or_leave_out(*out.probes[k].effect, out,
                          [&] { out.leaders.push_back(lead(out, k, base, sample, folder, log)); });
