@@ -52,7 +52,8 @@ struct PackingResult {
 
 /// Makes a packing: a cloud without contacts is compacted isotropically with high friction and blocked
 /// rotation; if it comes to rest looser than the target, friction is lowered until the target is met, then
-/// raised again and the packing relaxed. The result depends on the options alone. When the loosest or densest
+/// raised again and the packing relaxed. Particles are soft on the way and have their stiffness for its last
+/// part. The result depends on the options alone. When the loosest or densest
 /// packing that friction can give is still off the target, the nearest one is returned with `reached` false.
 /// `cancelled` is polled and makes it throw std::runtime_error.
 PackingResult make_packing(const PackingOptions& options, const std::function<bool()>& cancelled = {});

@@ -94,8 +94,8 @@ struct DiagnosisSettings {
     double false_alarm_rate = 0.005;      // of the test whether the model fails anywhere
     int packings = 12;                    // fresh packings for the direct runs of base and leaders
     int fingerprint_packings = 6;         // common packings for each effect's fingerprint
-    int leaders = 3;                      // effects that get an ensemble of their own
-    int runs = 48;                        // in the first design of each
+    int leaders = 3;  // effects that get an ensemble of their own, beside those no fingerprint can rule out
+    int runs = 48;    // in the first design of each
     bool operator==(const DiagnosisSettings&) const = default;
 };
 
