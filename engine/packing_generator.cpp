@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 
 #include "engine/boxed_packing.hpp"
@@ -22,8 +23,9 @@ constexpr double preparation_density = 2600;  // kg/m³; the result does not dep
 constexpr double compaction_inertia = 8e-3;   // inertial number while the cloud is closed
 constexpr double settling_inertia = 3e-3;     // inertial number of the servo afterwards
 // Soft particles, over the stress, take fewer steps: up to this porosity above the target the way is theirs.
-constexpr double soft_ratio = 2000, soft_margin = 2e-3;
+constexpr double soft_ratio = 2000, soft_margin = 6e-3;
 constexpr double stretches_at_a_friction = 30;  // of the servo, of soft particles
+constexpr double near_target = 0.01;  // in porosity: the part of the way that is gone again where it fails
 
 LinearCohesive preparation_law(double stiffness_ratio, double stress, double friction) {
     LinearCohesive law;
@@ -39,7 +41,8 @@ double softened(const PackingOptions& options) {
 
 /// Lowers the friction, a little at a time under constant stress, until the packing is dense enough; then
 /// friction is raised again and the packing comes to rest. Loose packings collapse now and then: where that
-/// has passed the target, the way is gone again from before, in smaller steps and stopping earlier.
+/// has passed the target, the last part of the way is gone again in smaller steps, stopping earlier; the
+/// nearest of all tries is kept.
 class Densification {
   public:
     Densification(Simulation& simulation, const PackingOptions& options, const ServoOptions& servo,
@@ -48,34 +51,54 @@ class Densification {
 
     /// Whether the packing came to rest.
     bool run() {
-        const Simulation start = simulation_;
+        const Place start{simulation_, high_friction};
+        far_ = start;
+        std::optional<Try> best;
         // Coming to rest makes it denser by about a thousandth.
         double enough = options_.target_porosity + 0.6 * options_.tolerance, factor = 0.97;
-        ServoSummary rest;
         for (int attempt = 0; attempt < most_attempts; ++attempt) {
-            if (attempt > 0) simulation_ = start;
+            if (attempt > 0) go_back_to(far_->simulation.porosity() > enough + near_target ? *far_ : start);
             lower_friction(enough, factor);
-            simulation_.set_law(preparation_law(options_.stiffness_ratio, options_.stress, high_friction));
-            ServoOptions gentle = servo_;
-            gentle.unbalanced_ratio = 0.005;
-            rest = consolidate(simulation_, options_.stress, gentle, [this] { return poll_(), false; });
+            const bool rested = come_to_rest();
             const double off = simulation_.porosity() - options_.target_porosity;
+            if (!best || std::abs(off) < std::abs(best->off)) best = {{simulation_, friction_}, off, rested};
             const bool dense_from_the_start = friction_ == high_friction && off < 0;
             if (std::abs(off) <= options_.tolerance || friction_ <= lowest_friction || dense_from_the_start)
                 break;
             enough -= off;
             factor = std::sqrt(factor);
         }
-        return rest.converged;
+        go_back_to(best->place);
+        return best->rested;
     }
 
     double friction() const { return friction_; }  // lowest that was used (rad)
 
   private:
     static constexpr int most_attempts = 5;
+    struct Place {
+        Simulation simulation;
+        double friction;
+    };
+    struct Try {
+        Place place;
+        double off;  // porosity over the target
+        bool rested;
+    };
+
+    void go_back_to(const Place& place) {
+        simulation_ = place.simulation;
+        friction_ = place.friction;
+    }
+
+    bool come_to_rest() {
+        simulation_.set_law(preparation_law(options_.stiffness_ratio, options_.stress, high_friction));
+        ServoOptions gentle = servo_;
+        gentle.unbalanced_ratio = 0.005;
+        return consolidate(simulation_, options_.stress, gentle, [this] { return poll_(), false; }).converged;
+    }
 
     void lower_friction(double enough, double factor) {
-        friction_ = high_friction;
         // The soft contacts' overlaps are released, and what opens closes again on the rest of the way.
         if (options_.stiffness_ratio > soft_ratio) lower_friction(enough + soft_margin, factor, soft_ratio);
         lower_friction(enough, factor, options_.stiffness_ratio);
@@ -93,6 +116,7 @@ class Densification {
         };
         if (stiffness_ratio > soft_ratio) stay(0);  // how dense it is shows after the rebound
         while (simulation_.porosity() > enough && friction_ > lowest_friction) {
+            if (simulation_.porosity() > enough + near_target) far_ = {simulation_, friction_};
             friction_ *= factor;
             stay(enough);
         }
@@ -103,6 +127,7 @@ class Densification {
     const ServoOptions& servo_;
     const std::function<void()>& poll_;
     double friction_ = high_friction;
+    std::optional<Place> far_;  // the last place on the way that was far from the target
 };
 
 SimulationOptions preparation() {
