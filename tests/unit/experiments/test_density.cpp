@@ -1,6 +1,8 @@
 // Densities of specimens: relative density carries over from the soil's limits to those of spheres.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "engine/packing.hpp"
 #include "experiments/density.hpp"
 #include "lab_data/user_error.hpp"
@@ -59,17 +61,23 @@ TEST(Density, PackingsReachBothLimitsOfSpheres) {
     for (const double spread : {0.0, 0.3}) {
         const LimitVoidRatios limits = limits_of_spheres(spread);
         for (const bool loose : {false, true}) {
-            if (loose && spread == 0) continue;  // equal spheres so loose collapse in leaps
-            engine::PackingOptions options;
-            options.particles = 700;
-            options.size_spread = spread;
-            options.stiffness_ratio = 20'000;
-            // Of the densest 0.06 is beyond reach.
-            options.target_porosity = loose ? limits.greatest / (1 + limits.greatest) : 0.06;
-            const engine::PackingResult made = engine::make_packing(options);
-            EXPECT_EQ(made.reached, loose) << made.stopped_by;
-            const double n = made.porosity;
-            EXPECT_NEAR(n / (1 - n), loose ? limits.greatest : limits.least, 0.02) << spread << loose;
+            // So loose, some collapse in leaps.
+            const int tries = loose ? 4 : 1, enough = loose ? 3 : 1;
+            int reached = 0;
+            for (int seed = 1; seed <= tries; ++seed) {
+                engine::PackingOptions options;
+                options.particles = 700;
+                options.size_spread = spread;
+                options.stiffness_ratio = 20'000;
+                options.seed = static_cast<std::uint64_t>(seed);
+                // Of the densest 0.06 is beyond reach.
+                options.target_porosity = loose ? limits.greatest / (1 + limits.greatest) : 0.06;
+                const engine::PackingResult made = engine::make_packing(options);
+                EXPECT_TRUE(loose || !made.reached) << made.stopped_by;
+                const double e = made.porosity / (1 - made.porosity);
+                if (std::abs(e - (loose ? limits.greatest : limits.least)) < 0.02) ++reached;
+            }
+            EXPECT_GE(reached, enough) << spread << loose;
         }
     }
 }
