@@ -57,10 +57,24 @@ std::uint64_t round_number(const CalibrationTask& task, int round) {
     return rounds_of_a_task * task.place + static_cast<std::uint64_t>(round);
 }
 
-/// Runs drawn from the posterior: distinct draws, evenly over the chains.
+/// The first parameter whose estimate lies outside the posterior's central 99 %; -1 if none does. The two
+/// differ where the emulator is much less sure in one place than in the other.
+Index outside_posterior(const Fit& fit) {
+    for (Index k = 0; k < fit.estimate.size(); ++k) {
+        const VectorXd draws = fit.posterior.draws.col(k);
+        const std::vector<double> values(draws.begin(), draws.end());
+        if (fit.estimate[k] < quantile(values, 0.005) || fit.estimate[k] > quantile(values, 0.995)) return k;
+    }
+    return -1;
+}
+
+/// Runs drawn from the posterior: distinct draws, evenly over the chains. Where the estimate lies elsewhere,
+/// the posterior is mostly the emulator's ignorance: a few runs end that, and such places, far from what was
+/// measured, can be dear.
 std::vector<RunSpec> added_runs(const Campaign& campaign, const Fit& fit, std::uint64_t round) {
     const MatrixXd& draws = fit.posterior.draws;
-    const int count = campaign.settings().calibration.runs_per_round;
+    const int whole = campaign.settings().calibration.runs_per_round;
+    const int count = outside_posterior(fit) < 0 ? whole : (whole + 3) / 4;
     std::vector<RunSpec> specs;
     for (int k = 0; k < count; ++k) {
         const auto at = round * round_size + static_cast<std::uint64_t>(k);
@@ -128,17 +142,6 @@ void add_runs(Campaign& campaign, const Calibration& c, std::vector<RunRecord>& 
     for (RunRecord& run : campaign.run(title + "added runs", added_runs(campaign, c.fit, round)))
         runs.push_back(std::move(run));
     runs.insert(runs.end(), c.confirmation.begin(), c.confirmation.end());
-}
-
-/// The first parameter whose estimate lies outside the posterior's central 99 %; -1 if none does. The two
-/// differ where the emulator is much less sure in one place than in the other.
-Index outside_posterior(const Fit& fit) {
-    for (Index k = 0; k < fit.estimate.size(); ++k) {
-        const VectorXd draws = fit.posterior.draws.col(k);
-        const std::vector<double> values(draws.begin(), draws.end());
-        if (fit.estimate[k] < quantile(values, 0.005) || fit.estimate[k] > quantile(values, 0.995)) return k;
-    }
-    return -1;
 }
 
 void warn_of_failures(const std::vector<RunRecord>& runs, Calibration& c) {
