@@ -4,16 +4,11 @@
 #include <stdexcept>
 #include <utility>
 
+#include "experiments/preparation_stiffness.hpp"
 #include "lab_data/packing_file.hpp"
 
 namespace loam::experiments {
 namespace {
-
-// Modulus of the particles that specimens are made of, over the stress. What soft ones overlap goes into
-// rebound when the test's stiffer ones take their place, and contacts open: made at 2,000 instead of 20,000,
-// a dense specimen gives half as much oedometer strain again at 15 kPa and a tenth more at 1 MPa; 50,000
-// gives the same.
-constexpr double preparation_stiffness = 20'000;
 
 Specimen make(const SpecimenSettings& settings, double porosity, const SpecimenShape& shape,
               std::uint64_t seed, const StopToken& stop) {

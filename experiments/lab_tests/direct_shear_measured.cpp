@@ -9,6 +9,7 @@
 #include "experiments/lab_tests/direct_shear.hpp"
 #include "experiments/lab_tests/measured.hpp"
 #include "experiments/lab_tests/readings.hpp"
+#include "experiments/preparation_stiffness.hpp"
 #include "lab_data/user_error.hpp"
 
 namespace loam::experiments {
@@ -59,7 +60,7 @@ DirectShearOptions direct_shear_options(const Settings& settings, const lab_data
     options.wall_friction_angle = test.wall_friction_angle;
     options.gap = settings.direct_shear.gap_diameters;
     options.isotropic_stress = std::min(1000 * settings.specimen.preparation_stress_kPa, test.normal_stress);
-    options.seating_stiffness = seating_stiffness_of_made_packings;
+    options.seating_stiffness = preparation_stiffness;
     const double haste = settings.engine.haste;
     options.inertial_number = std::min(inertial_number_factor * haste * settings.engine.inertial_number,
                                        options.highest_inertial_number);

@@ -1,7 +1,6 @@
 // What all virtual tests of a measured sample have in common.
 #pragma once
 
-#include "engine/packing.hpp"
 #include "engine/simulation.hpp"
 #include "experiments/settings/settings.hpp"
 
@@ -19,9 +18,5 @@ inline engine::SimulationOptions simulation_options(const Settings& settings, do
     how.energy_balance = energy_balance;
     return how;
 }
-
-/// Made packings rest under their own soft particles: a test stiffens them from that modulus over the stress
-/// (OedometerOptions::seating_stiffness, TriaxialOptions::seating_stiffness).
-inline const double seating_stiffness_of_made_packings = engine::PackingOptions{}.stiffness_ratio;
 
 }  // namespace loam::experiments

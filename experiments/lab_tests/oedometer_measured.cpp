@@ -4,6 +4,7 @@
 
 #include "experiments/lab_tests/measured.hpp"
 #include "experiments/lab_tests/oedometer.hpp"
+#include "experiments/preparation_stiffness.hpp"
 
 namespace loam::experiments {
 namespace {
@@ -36,7 +37,7 @@ OedometerOptions oedometer_options(const Settings& settings, const lab_data::Tes
     options.stress_change *= haste;
     options.strain_per_step *= haste;
     options.least_strain_per_step *= haste;
-    if (settings.packing.empty()) options.seating_stiffness = seating_stiffness_of_made_packings;
+    if (settings.packing.empty()) options.seating_stiffness = preparation_stiffness;
     for (const std::size_t k : oedometer_readings(test))
         options.stages.push_back(test.column("axial_stress")[k]);
     return options;

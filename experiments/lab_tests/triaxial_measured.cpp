@@ -5,6 +5,7 @@
 #include "experiments/lab_tests/measured.hpp"
 #include "experiments/lab_tests/readings.hpp"
 #include "experiments/lab_tests/triaxial.hpp"
+#include "experiments/preparation_stiffness.hpp"
 
 namespace loam::experiments {
 namespace {
@@ -25,7 +26,7 @@ TriaxialOptions triaxial_options(const Settings& settings, const lab_data::Test&
     options.stress_change *= haste;
     options.strain_per_step *= haste;
     options.least_strain_per_step *= haste;
-    if (settings.packing.empty()) options.seating_stiffness = seating_stiffness_of_made_packings;
+    if (settings.packing.empty()) options.seating_stiffness = preparation_stiffness;
     for (const std::size_t k : triaxial_readings(test))
         options.strains.push_back(test.column("axial_strain")[k]);
     return options;
