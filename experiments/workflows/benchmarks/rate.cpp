@@ -7,6 +7,7 @@
 
 #include "experiments/calibration.hpp"
 #include "experiments/lab_tests/oedometer.hpp"
+#include "experiments/preparation_stiffness.hpp"
 #include "experiments/settings/run_folder.hpp"
 #include "experiments/workflows/benchmarks/benchmarks.hpp"
 #include "surrogate/designs.hpp"
@@ -25,7 +26,7 @@ Eigen::VectorXd run_at(const engine::Packing& packing, const engine::ContactLaw&
     how.time_step_safety = settings.engine.time_step_safety;
     OedometerOptions options;
     options.stages = test.column("axial_stress");
-    options.seating_stiffness = 2e4;
+    options.seating_stiffness = preparation_stiffness;
     options.inertial_number = options.hold.inertial_number = factor * settings.engine.inertial_number;
     options.highest_inertial_number *= factor;
     options.strain_per_step *= factor;
