@@ -5,11 +5,11 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <boost/math/distributions/chi_squared.hpp>
+#include <boost/math/distributions/normal.hpp>
 #include <cmath>
 #include <stdexcept>
 
 #include "experiments/ensemble/run_seed.hpp"
-#include "surrogate/designs.hpp"
 
 namespace loam::experiments {
 namespace {
@@ -20,36 +20,18 @@ using Eigen::VectorXd;
 
 // Places of the runs in the ensemble: every run's index, and with it its randomness, follows from its
 // purpose.
-constexpr std::uint64_t replicates_from = 1'000'000, rounds_from = 2'000'000, round_size = 10'000;
-constexpr std::uint64_t confirmations_from = 3'000'000, rounds_of_a_task = 20;
-constexpr int packings_per_replicated_point = 4;
-// Streams of run_seed.
-constexpr std::uint64_t training_packings = 1, confirmation_packings = 2, design_stream = 3, draw_stream = 4;
-
-/// Training shares a pool of packings, large enough that the pool's own mean is no noticeable error.
-constexpr std::uint64_t packing_pool = 128;
+constexpr std::uint64_t rounds_from = 2'000'000, round_size = 10'000, confirmations_from = 3'000'000,
+                        rounds_of_a_task = 20;
+constexpr std::uint64_t confirmation_packings = 2, draw_stream = 4, near_stream = 5;  // of run_seed
 
 constexpr double agreement = 0.99;        // quantile of the test of emulator against direct runs
 constexpr double tolerable_share = 0.25;  // of the residuals' variance that the emulator may cause
 
-RunSpec make_spec(const Campaign& campaign, std::uint64_t index, const char* purpose,
-                  const VectorXd& parameters) {
-    const std::uint64_t seed = campaign.settings().seed;
-    const bool confirmation = index >= confirmations_from;
-    return {index, purpose, parameters,
-            confirmation ? run_seed(seed, index, confirmation_packings)
-                         : run_seed(seed, index % packing_pool, training_packings),
-            static_cast<std::uint32_t>(campaign.settings().particles)};
-}
-
-MatrixXd design(const Campaign& campaign) {
-    const Settings& settings = campaign.settings();
-    const Index n = settings.runs, d = campaign.space().dimension();
-    const std::uint64_t seed = run_seed(settings.seed, 0, design_stream);
-    const MatrixXd u = settings.calibration.design == "sobol"
-                           ? surrogate::sobol_sequence(n, d, {.seed = seed})
-                           : surrogate::maximin_latin_hypercube(n, d, seed);
-    return campaign.space().from_probabilities(u);
+/// A direct run, on a packing that no emulator is trained on.
+RunSpec confirmation_spec(const Campaign& campaign, std::uint64_t index, const VectorXd& parameters) {
+    RunSpec out = training_spec(campaign, index, "confirmation", parameters);
+    out.packing_seed = run_seed(campaign.settings().seed, index, confirmation_packings);
+    return out;
 }
 
 /// Number of a round of a task among all rounds.
@@ -68,20 +50,35 @@ Index outside_posterior(const Fit& fit) {
     return -1;
 }
 
-/// Runs drawn from the posterior: distinct draws, evenly over the chains. Where the estimate lies elsewhere,
-/// the posterior is mostly the emulator's ignorance: a few runs end that, and such places, far from what was
-/// measured, can be dear.
+/// A point about the estimate, as uncertain as the linearised fit says.
+VectorXd near_estimate(const Fit& fit, std::uint64_t seed) {
+    const boost::math::normal normal;
+    VectorXd z(fit.estimate.size());
+    for (Index k = 0; k < z.size(); ++k) {
+        const std::uint64_t bits = run_seed(seed, static_cast<std::uint64_t>(k), near_stream) >> 12;
+        z[k] = boost::math::quantile(normal, (static_cast<double>(bits) + 0.5) * 0x1p-52);
+    }
+    const VectorXd x = fit.estimate + fit.spread.llt().matrixL() * z;
+    return x.cwiseMax(0.0).cwiseMin(1.0);
+}
+
+/// Runs where the fit needs the emulator: half about the estimate, half drawn from the posterior. Where the
+/// estimate lies elsewhere than that, the posterior is mostly the emulator's ignorance: a few runs end it,
+/// and such places, far from what was measured, can be dear.
 std::vector<RunSpec> added_runs(const Campaign& campaign, const Fit& fit, std::uint64_t round) {
     const MatrixXd& draws = fit.posterior.draws;
-    const int whole = campaign.settings().calibration.runs_per_round;
-    const int count = outside_posterior(fit) < 0 ? whole : (whole + 3) / 4;
+    const std::uint64_t seed = campaign.settings().seed;
+    const int near = campaign.settings().calibration.runs_per_round / 2;
+    const int others = campaign.settings().calibration.runs_per_round - near;
+    const int count = near + (outside_posterior(fit) < 0 ? others : (others + 1) / 2);
     std::vector<RunSpec> specs;
     for (int k = 0; k < count; ++k) {
         const auto at = round * round_size + static_cast<std::uint64_t>(k);
-        const Index row = static_cast<Index>(run_seed(campaign.settings().seed, at, draw_stream) %
-                                             static_cast<std::uint64_t>(draws.rows()));
-        const VectorXd x = draws.row(row).head(campaign.space().dimension()).transpose();
-        specs.push_back(make_spec(campaign, rounds_from + at, "training", campaign.space().physical(x)));
+        const std::uint64_t own = run_seed(seed, at, draw_stream);
+        const Index row = static_cast<Index>(own % static_cast<std::uint64_t>(draws.rows()));
+        const VectorXd x = k < near ? near_estimate(fit, own)
+                                    : draws.row(row).head(campaign.space().dimension()).transpose();
+        specs.push_back(training_spec(campaign, rounds_from + at, "training", campaign.space().physical(x)));
     }
     return specs;
 }
@@ -198,43 +195,18 @@ VectorXd sd_outputs(const std::vector<RunRecord>& runs) {
     return (sum / std::max(1.0, n - 1)).cwiseSqrt();
 }
 
-std::vector<RunRecord> training_runs(Campaign& campaign) {
-    const MatrixXd x = design(campaign);
-    std::vector<RunSpec> specs;
-    for (Index k = 0; k < x.rows(); ++k)
-        specs.push_back(make_spec(campaign, static_cast<std::uint64_t>(k), "training",
-                                  campaign.space().physical(x.row(k).transpose())));
-    std::vector<RunRecord> runs = campaign.run("training", specs);
-
-    std::vector<RunSpec> replicates;
-    std::vector<const RunRecord*> good;
-    for (const RunRecord& run : runs)
-        if (run.ok) good.push_back(&run);
-    const auto wanted = static_cast<std::size_t>(std::max(0, campaign.settings().calibration.replicates));
-    for (std::size_t k = 0; k < std::min(wanted, good.size()); ++k) {
-        const VectorXd& parameters = good[k * good.size() / std::min(wanted, good.size())]->spec.parameters;
-        for (int p = 0; p < packings_per_replicated_point; ++p)
-            replicates.push_back(make_spec(
-                campaign,
-                replicates_from + k * packings_per_replicated_point + static_cast<std::uint64_t>(p) + 1,
-                "replicate", parameters));
-    }
-    for (RunRecord& run : campaign.run("replicates", replicates)) runs.push_back(std::move(run));
-    return runs;
-}
-
 std::vector<RunRecord> direct_runs(Campaign& campaign, const VectorXd& parameters, std::uint64_t round,
                                    int count, const std::string& title) {
     std::vector<RunSpec> specs;
     for (int k = 0; k < count; ++k)
-        specs.push_back(make_spec(campaign,
-                                  confirmations_from + round * round_size + static_cast<std::uint64_t>(k),
-                                  "confirmation", parameters));
+        specs.push_back(confirmation_spec(
+            campaign, confirmations_from + round * round_size + static_cast<std::uint64_t>(k), parameters));
     return campaign.run(title + "direct runs", specs);
 }
 
 Calibration calibrate(Campaign& campaign) {
-    std::vector<RunRecord> runs = training_runs(campaign);
+    const CalibrationTask task;
+    std::vector<RunRecord> runs = narrowing_runs(campaign, {&task, 1});
     return calibrate(campaign, runs);
 }
 

@@ -1,8 +1,8 @@
 // The calibration loop: design -> runs -> emulator -> fit -> direct runs at the estimate on fresh packings;
 // where emulator and direct runs disagree by more than their noise or by more than a laboratory would notice,
 // or the emulator is a large part of the uncertainty, or estimate and posterior lie apart, runs are added
-// where the posterior lies and the loop goes round. The direct runs of a round that is over train the next
-// emulator; the last round's never do.
+// about the estimate and where the posterior lies, and the loop goes round. The direct runs of a round that
+// is over train the next emulator; the last round's never do.
 #pragma once
 
 #include <optional>
@@ -11,6 +11,7 @@
 
 #include "experiments/campaign.hpp"
 #include "experiments/fit.hpp"
+#include "experiments/training_design.hpp"
 
 namespace loam::experiments {
 
@@ -36,21 +37,10 @@ struct Calibration {
     std::vector<std::string> warnings;
 };
 
-/// The runs that train the first emulator: the design, and further packings at some of its points.
-std::vector<RunRecord> training_runs(Campaign& campaign);
-
 /// `count` direct runs at `parameters` (SI) on packings that no emulator is trained on; `round` tells their
 /// packings from other rounds'.
 std::vector<RunRecord> direct_runs(Campaign& campaign, const Eigen::VectorXd& parameters, std::uint64_t round,
                                    int count, const std::string& title = {});
-
-/// What a calibration fits, where several share a campaign's runs.
-struct CalibrationTask {
-    std::vector<lab_data::TestKind>
-        kinds{};              // of the tests that are fitted; empty: all that are not held out
-    std::uint64_t place = 0;  // 0..4, of its own runs in the ensemble
-    std::string title{};      // goes before what progress says
-};
 
 /// Runs the whole loop. `runs` are those to train on; what the loop adds is appended to them. Throws
 /// Interrupted, and std::runtime_error where too many runs fail.

@@ -189,11 +189,13 @@ std::vector<HeldOutGroup> tests_to_hold_out(const StudiedModel& model) {
 
 std::unique_ptr<StudiedModel> study_model(const Settings& settings, const lab_data::Sample& sample,
                                           const std::filesystem::path& folder, RunLog* log,
-                                          const std::vector<RunRecord>& known) {
+                                          const std::vector<RunRecord>& known,
+                                          const std::optional<Window>& first) {
     std::filesystem::create_directories(folder);
     auto model = std::make_unique<StudiedModel>(settings, sample, folder, log);
     Calibration& c = model->calibration;
-    std::vector<RunRecord> runs = training_runs(model->campaign);
+    const CalibrationTask task;
+    std::vector<RunRecord> runs = narrowing_runs(model->campaign, {&task, 1}, first, known);
     runs.insert(runs.end(), known.begin(), known.end());
     c = calibrate(model->campaign, runs);
     std::vector<Index> columns;

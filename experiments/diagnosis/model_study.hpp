@@ -33,10 +33,12 @@ struct StudiedModel {
 };
 
 /// Calibrates and studies a model in `folder` (made if it is not there). `known`: runs of a model that this
-/// one holds, with this one's parameters. Throws what calibrate() throws.
+/// one holds, with this one's parameters. `first`: where this one's first runs go (narrowing_runs). Throws
+/// what calibrate() throws.
 std::unique_ptr<StudiedModel> study_model(const Settings& settings, const lab_data::Sample& sample,
                                           const std::filesystem::path& folder, RunLog* log,
-                                          const std::vector<RunRecord>& known = {});
+                                          const std::vector<RunRecord>& known = {},
+                                          const std::optional<Window>& first = {});
 
 /// Covariance [m x m] of measured minus the mean of `direct_runs` direct runs, on the transformed scale at x
 /// [d]: measurement, packing noise of the specimen and of the direct runs, and the tolerance of

@@ -22,6 +22,9 @@ constexpr int leader_rounds = 1;  // of added runs in an effect's own ensemble
 // scatter by some three in the mean, and what is shorter says little of the direction.
 constexpr int most_strengths = 3;
 constexpr double long_enough = 6, nearly = 0.7;
+// What an effect explains, the base's parameters have stood in for: they may shift by so much of their scale.
+// A modulus with bounds of 1 MPa and 10 GPa by a factor of four.
+constexpr double shift_by_effect = 0.15;
 
 double root_mean_square(const surrogate::Prior& prior) {
     constexpr int points = 200;
@@ -38,6 +41,12 @@ VectorXd with_strength(const VectorXd& base, const ParameterSpace& space, double
     out.head(base.size()) = base;
     if (out.size() > base.size()) out[base.size()] = strength;
     return out;
+}
+
+/// Whether the effect holds the base model: at a strength of 0 that its prior allows.
+bool holds_base(const ModelEffect& effect, const Settings& base, const surrogate::Prior* prior) {
+    const bool same_rotation = !effect.needs_rotation() || base.rotation == "free";
+    return prior && same_rotation && prior->lower <= 0 && prior->upper >= 0;
 }
 
 std::vector<RunSpec> specs_with(const StudiedModel& base, const ParameterSpace& space, double strength,
@@ -70,6 +79,8 @@ Settings settings_with(const Settings& base, const ModelEffect& effect) {
     out.runs = std::max(base.diagnosis.runs, fewest_training_runs(static_cast<int>(out.priors.size())));
     // The base's runs without the effect, or its fit, have settled most of it.
     out.calibration.max_rounds = std::min(out.calibration.max_rounds, leader_rounds);
+    if (holds_base(effect, base, prior_of_strength(effect, parameter_space(out))))
+        out.calibration.replicates = (out.calibration.replicates + 1) / 2;
     return out;
 }
 
@@ -140,15 +151,24 @@ EffectChange change_with(const StudiedModel& base, const ModelEffect& effect, Ca
 
 std::vector<RunRecord> runs_without(const StudiedModel& base, const ModelEffect& effect,
                                     const ParameterSpace& space) {
-    const surrogate::Prior* prior = prior_of_strength(effect, space);
-    const bool same_rotation = !effect.needs_rotation() || base.settings().rotation == "free";
-    if (!prior || !same_rotation || prior->lower > 0 || prior->upper < 0) return {};
+    if (!holds_base(effect, base.settings(), prior_of_strength(effect, space))) return {};
     std::vector<RunRecord> out;
     for (RunRecord& run : base.campaign.store().records()) {
         if (!run.ok || run.spec.purpose == "confirmation" || run.spec.purpose == "fingerprint") continue;
         run.spec.parameters = with_strength(run.spec.parameters, space, 0);
         out.push_back(std::move(run));
     }
+    return out;
+}
+
+Window window_with(const StudiedModel& base, const ParameterSpace& space) {
+    const Index d = base.estimate.size();
+    const Window of_base = window_about(base.calibration.fit.posterior.draws.leftCols(d));
+    Window out{VectorXd::Zero(space.dimension()), VectorXd::Ones(space.dimension())};
+    out.lower.head(d) =
+        of_base.lower.cwiseMin((base.estimate.array() - shift_by_effect).matrix()).cwiseMax(0.0);
+    out.upper.head(d) =
+        of_base.upper.cwiseMax((base.estimate.array() + shift_by_effect).matrix()).cwiseMin(1.0);
     return out;
 }
 

@@ -37,4 +37,8 @@ Probe probe_effect(const StudiedModel& base, const ModelEffect& effect, const la
 std::vector<RunRecord> runs_without(const StudiedModel& base, const ModelEffect& effect,
                                     const ParameterSpace& space);
 
+/// Where runs with the effect are made first: each parameter of the base about its estimate, those of the
+/// effect wherever its prior lies.
+Window window_with(const StudiedModel& base, const ParameterSpace& space);
+
 }  // namespace loam::experiments

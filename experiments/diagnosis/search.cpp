@@ -161,8 +161,9 @@ Leader lead(const Search& search, std::size_t at, StudiedModel& base, const lab_
     const ModelEffect& effect = *search.probes[at].effect;
     const Settings settings = settings_with(base.settings(), effect);
     Leader out{&effect, {}, {}, {}, {}, {}};
+    const ParameterSpace space = parameter_space(settings);
     out.model = study_model(settings, sample, folder_of(folder, effect), log,
-                            runs_without(base, effect, parameter_space(settings)));
+                            runs_without(base, effect, space), window_with(base, space));
     const Projection projection(out.model->linear);
     out.regions = regions_of(*out.model);
     out.location =

@@ -164,6 +164,8 @@ const std::array table{
 
     Field{"calibration", "design", [](Settings& s) -> Slot { return &s.calibration.design; },
           "of the first runs", {}, designs},
+    Field{"calibration", "narrowing", [](Settings& s) -> Slot { return &s.calibration.narrowing; },
+          "a third of the first runs lie over the whole prior, the rest where that leaves the parameters plausible", {}},
     Field{"calibration", "kernel", [](Settings& s) -> Slot { return &s.calibration.kernel; },
           "covariance of the emulator", {}, kernels},
     Field{"calibration", "global_optimizer", [](Settings& s) -> Slot { return &s.calibration.global_optimizer; },

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 constexpr int bulk_runs = 959;    // as De Pue et al. 2019
 constexpr double bulk_haste = 4;  // against 1.5: strains change by 3e-4 to 9e-4, less than packings scatter
 // A diagnosis is several calibrations, which end within an hour on two cores so.
-constexpr int diagnosis_runs = 80, diagnosis_rounds = 2;
+constexpr int diagnosis_rounds = 2;
 constexpr double diagnosis_haste = 3;
 
 /// FNV-1a (Fowler, Noll, Vo), 64 bits.
@@ -133,7 +133,6 @@ std::string resolve_sample(Draft& draft) {
     check_tests(draft, sample);
     check_specimens(settings, sample);
     if (settings.verb == "diagnose") {
-        if (!draft.origins.contains("runs")) settings.runs = diagnosis_runs;
         if (!draft.origins.contains("engine.haste")) settings.engine.haste = diagnosis_haste;
         if (!draft.origins.contains("calibration.max_rounds"))
             settings.calibration.max_rounds = diagnosis_rounds;

@@ -31,6 +31,14 @@ void read_fixed_parameter(Draft& draft, const std::string& text) {
     draft.origins[path] = origin;
 }
 
+/// Of one sample's first design. Ten for each parameter will do for an emulator of a smooth answer (Loeppky,
+/// Sacks & Welch 2009); packings scatter, and a third of the runs lie far from where they are needed.
+int usual_runs(const Settings& settings) {
+    constexpr int most_of_a_diagnosis = 80;  // which is several calibrations
+    const int runs = 20 * (static_cast<int>(settings.priors.size()) + 1);
+    return settings.verb == "diagnose" ? std::min(runs, most_of_a_diagnosis) : runs;
+}
+
 }  // namespace
 
 void read_override(Draft& draft, const Override& given) {
@@ -47,6 +55,8 @@ Settings complete(const Draft& draft) {
     free_rotation_where_it_is_an_effect(settings);
     // An unknown law has no priors to complete; validate() says so.
     if (engine::find_law(settings.law)) complete_priors(settings, draft);
+    if (is_fitting(settings) && settings.verb != "bulk" && !draft.origins.contains("runs"))
+        settings.runs = usual_runs(settings);
     validate(settings, draft.origins);
     return settings;
 }

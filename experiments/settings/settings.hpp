@@ -65,6 +65,7 @@ struct DirectShearSettings {
 /// How parameters are fitted.
 struct CalibrationSettings {
     std::string design = "latin-hypercube";
+    bool narrowing = true;  // of the first runs: a third over the prior, the rest where that leaves plausible
     std::string kernel = "matern52";
     std::string global_optimizer = "crs2";
     int replicates = 8;              // further packings at chosen points, from which packing noise is learnt

@@ -28,16 +28,17 @@ constexpr double false_alarms = 0.01;  // rate at which sets that agree are said
 
 struct ParameterSet {
     const char* name;
-    const char* words;
+    std::string words;
     Calibration calibration;
     std::vector<ParameterSummary> parameters;
 };
 
 using Sets = std::array<ParameterSet, 3>;  // triaxial, direct shear, joint
 
-ParameterSet fit_set(Campaign& campaign, std::vector<RunRecord>& runs, const char* name, const char* words,
-                     CalibrationTask task, RunLog& log) {
-    task.title = std::string(words) + ": ";
+ParameterSet fit_set(Campaign& campaign, std::vector<RunRecord>& runs, const char* name, CalibrationTask task,
+                     RunLog& log) {
+    const std::string words = task.title;
+    task.title += ": ";
     ParameterSet set{name, words, calibrate(campaign, runs, task), {}};
     for (const CalibrationRound& round : set.calibration.rounds) log.write(task.title + round.text);
     set.parameters = summarise(campaign, set.calibration.fit);
@@ -45,12 +46,13 @@ ParameterSet fit_set(Campaign& campaign, std::vector<RunRecord>& runs, const cha
 }
 
 Sets fit_sets(Campaign& campaign, RunLog& log) {
-    std::vector<RunRecord> runs = training_runs(campaign);
+    const CalibrationTask all{.title = "joint"}, of_triaxial{{TestKind::triaxial}, 1, "triaxial"},
+        of_shear{{TestKind::direct_shear}, 2, "direct shear"};
+    std::vector<RunRecord> runs = narrowing_runs(campaign, std::array{all, of_triaxial, of_shear});
     // The joint fit goes first: its runs lie where the others' are needed too.
-    ParameterSet joint = fit_set(campaign, runs, "joint", "joint", {}, log);
-    ParameterSet triaxial = fit_set(campaign, runs, "triaxial", "triaxial", {{TestKind::triaxial}, 1}, log);
-    ParameterSet shear =
-        fit_set(campaign, runs, "direct_shear", "direct shear", {{TestKind::direct_shear}, 2}, log);
+    ParameterSet joint = fit_set(campaign, runs, "joint", all, log);
+    ParameterSet triaxial = fit_set(campaign, runs, "triaxial", of_triaxial, log);
+    ParameterSet shear = fit_set(campaign, runs, "direct_shear", of_shear, log);
     return {std::move(triaxial), std::move(shear), std::move(joint)};
 }
 

@@ -51,6 +51,7 @@ Settings model_of(const Settings& given) {
     s.engine.haste = 3;
     s.calibration.specimen_particles = more_particles * s.particles;
     s.calibration.max_rounds = 0;
+    s.calibration.narrowing = false;  // one design for all soils
     s.calibration.replicates = 6;
     s.calibration.confirmation_packings = 4;
     s.calibration.posterior_draws = 600;

@@ -122,7 +122,8 @@ class Diagnose(unittest.TestCase):
         again = self.diagnose("bedded", "out-bedded")
         self.assertEqual({k: v for k, v in again.items() if k != "seconds"}, {k: v for k, v in result.items() if k != "seconds"})
         log = (self.folder / "out-bedded" / "log.txt").read_text(encoding="utf-8")
-        self.assertIn("40 runs, 40 of them made before", log)
+        self.assertIn("25 runs, 25 of them made before", log)
+        self.assertIn("15 runs, 15 of them made before", log)
 
     def test_no_effect_is_none_and_says_what_would_have_shown(self):
         self.twin("plain")
