@@ -5,7 +5,6 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <boost/math/distributions/chi_squared.hpp>
-#include <boost/math/distributions/normal.hpp>
 #include <cmath>
 #include <stdexcept>
 
@@ -22,7 +21,7 @@ using Eigen::VectorXd;
 // purpose.
 constexpr std::uint64_t rounds_from = 2'000'000, round_size = 10'000, confirmations_from = 3'000'000,
                         rounds_of_a_task = 20;
-constexpr std::uint64_t confirmation_packings = 2, draw_stream = 4, near_stream = 5;  // of run_seed
+constexpr std::uint64_t confirmation_packings = 2, draw_stream = 4;  // of run_seed
 
 constexpr double agreement = 0.99;        // quantile of the test of emulator against direct runs
 constexpr double tolerable_share = 0.25;  // of the residuals' variance that the emulator may cause
@@ -50,34 +49,19 @@ Index outside_posterior(const Fit& fit) {
     return -1;
 }
 
-/// A point about the estimate, as uncertain as the linearised fit says.
-VectorXd near_estimate(const Fit& fit, std::uint64_t seed) {
-    const boost::math::normal normal;
-    VectorXd z(fit.estimate.size());
-    for (Index k = 0; k < z.size(); ++k) {
-        const std::uint64_t bits = run_seed(seed, static_cast<std::uint64_t>(k), near_stream) >> 12;
-        z[k] = boost::math::quantile(normal, (static_cast<double>(bits) + 0.5) * 0x1p-52);
-    }
-    const VectorXd x = fit.estimate + fit.spread.llt().matrixL() * z;
-    return x.cwiseMax(0.0).cwiseMin(1.0);
-}
-
-/// Runs where the fit needs the emulator: half about the estimate, half drawn from the posterior. Where the
-/// estimate lies elsewhere than that, the posterior is mostly the emulator's ignorance: a few runs end it,
-/// and such places, far from what was measured, can be dear.
+/// Runs drawn from the posterior: distinct draws, evenly over the chains. Where the estimate lies elsewhere,
+/// the posterior is mostly the emulator's ignorance: a few runs end that, and such places, far from what was
+/// measured, can be dear.
 std::vector<RunSpec> added_runs(const Campaign& campaign, const Fit& fit, std::uint64_t round) {
     const MatrixXd& draws = fit.posterior.draws;
-    const std::uint64_t seed = campaign.settings().seed;
-    const int near = campaign.settings().calibration.runs_per_round / 2;
-    const int others = campaign.settings().calibration.runs_per_round - near;
-    const int count = near + (outside_posterior(fit) < 0 ? others : (others + 1) / 2);
+    const int whole = campaign.settings().calibration.runs_per_round;
+    const int count = outside_posterior(fit) < 0 ? whole : (whole + 3) / 4;
     std::vector<RunSpec> specs;
     for (int k = 0; k < count; ++k) {
         const auto at = round * round_size + static_cast<std::uint64_t>(k);
-        const std::uint64_t own = run_seed(seed, at, draw_stream);
-        const Index row = static_cast<Index>(own % static_cast<std::uint64_t>(draws.rows()));
-        const VectorXd x = k < near ? near_estimate(fit, own)
-                                    : draws.row(row).head(campaign.space().dimension()).transpose();
+        const Index row = static_cast<Index>(run_seed(campaign.settings().seed, at, draw_stream) %
+                                             static_cast<std::uint64_t>(draws.rows()));
+        const VectorXd x = draws.row(row).head(campaign.space().dimension()).transpose();
         specs.push_back(training_spec(campaign, rounds_from + at, "training", campaign.space().physical(x)));
     }
     return specs;

@@ -1,7 +1,7 @@
 // The calibration loop: design -> runs -> emulator -> fit -> direct runs at the estimate on fresh packings;
 // where emulator and direct runs disagree by more than their noise or by more than a laboratory would notice,
 // or the emulator is a large part of the uncertainty, or estimate and posterior lie apart, runs are added
-// about the estimate and where the posterior lies, and the loop goes round. The direct runs of a round that
+// where the posterior lies, and the loop goes round. The direct runs of a round that
 // is over train the next emulator; the last round's never do.
 #pragma once
 

@@ -176,21 +176,6 @@ void refine(const Likelihood& likelihood, const VectorXd& open, VectorXd& theta,
     }
 }
 
-/// Covariance [d x d] of the coordinates, linearised at theta. No wider than a flat prior.
-MatrixXd local_covariance(const Likelihood& likelihood, const VectorXd& open, const VectorXd& theta) {
-    constexpr double flat = 12;  // over the variance of a uniform coordinate
-    const Index d = likelihood.parameters();
-    MatrixXd information = flat * MatrixXd::Identity(d, d);
-    const Eigen::LLT<MatrixXd> factor(likelihood.covariance(theta, open));
-    if (factor.info() == Eigen::Success) {
-        VectorXd r;
-        MatrixXd jacobian;
-        likelihood.residuals(theta.head(d), factor, r, &jacobian);
-        information += jacobian.transpose() * jacobian;
-    }
-    return information.llt().solve(MatrixXd::Identity(d, d));
-}
-
 /// Some of the posterior's draws [k x n], evenly over the chains.
 MatrixXd looks_at(const optimizers::Posterior& posterior) {
     const Index draws = posterior.draws.rows(), looks = std::min<Index>(draws, 200);
@@ -289,7 +274,6 @@ Fit fit(const TrainedEmulator& trained, const ParameterSpace& space, const Obser
         value = there;
     }
     out.estimate = theta.head(d);
-    out.spread = local_covariance(likelihood, open, theta);
     out.misfits = likelihood.misfits_at(theta);
     out.log_posterior = likelihood.log_posterior(theta);
     out.covariance = likelihood.covariance(theta, likelihood.open_at(theta));

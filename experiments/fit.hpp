@@ -40,7 +40,6 @@ TrainedEmulator train_emulator(const std::vector<RunRecord>& runs, const Paramet
 struct Fit {
     Eigen::VectorXd estimate;  // [d] most probable coordinates in the unit cube, were the emulator equally
                                // sure everywhere
-    Eigen::MatrixXd spread;    // [d x d] covariance of the coordinates, linearised there
     Eigen::VectorXd misfits;   // sd of what the model cannot follow, at the estimate, in the curves' units
     double log_posterior = 0;  // at the estimate, up to a constant
     optimizers::Posterior posterior;    // draws [n x d+misfits]: coordinates, misfits'
