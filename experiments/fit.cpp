@@ -176,6 +176,15 @@ void refine(const Likelihood& likelihood, const VectorXd& open, VectorXd& theta,
     }
 }
 
+optimizers::PosteriorOptions sampling_options(const Settings& settings, std::uint64_t stream) {
+    optimizers::PosteriorOptions out;
+    out.seed = run_seed(settings.seed, 0, stream);
+    out.max_draws = settings.calibration.posterior_draws;
+    out.wanted_ess = std::min(2000.0, static_cast<double>(settings.calibration.posterior_draws));
+    out.max_evaluations = 300000;
+    return out;
+}
+
 /// Some of the posterior's draws [k x n], evenly over the chains.
 MatrixXd looks_at(const optimizers::Posterior& posterior) {
     const Index draws = posterior.draws.rows(), looks = std::min<Index>(draws, 200);
@@ -223,6 +232,16 @@ TrainedEmulator train_emulator(const std::vector<RunRecord>& runs, const Paramet
             feasibility_of(runs, space)};
 }
 
+MatrixXd representative_draws(const TrainedEmulator& trained, const ParameterSpace& space,
+                              const Observation& observation, const Settings& settings) {
+    const Likelihood likelihood(trained, space, observation, settings.calibration.confirmation_packings);
+    const VectorXd open = trained.emulator.typical_variance();
+    return optimizers::sample_posterior(
+               [&](const VectorXd& t, VectorXd*) { return likelihood.log_representative(t, open); },
+               optimizers::unit_cube(likelihood.dimension()), sampling_options(settings, 14))
+        .draws.leftCols(likelihood.parameters());
+}
+
 Fit fit(const TrainedEmulator& trained, const ParameterSpace& space, const Observation& observation,
         const Settings& settings) {
     const Likelihood likelihood(trained, space, observation, settings.calibration.confirmation_packings);
@@ -237,13 +256,9 @@ Fit fit(const TrainedEmulator& trained, const ParameterSpace& space, const Obser
     for (Index k = d; k < n; ++k) start[k] = likelihood.misfit_prior_of(k - d).quantile_unit(0.5);
 
     Fit out;
-    optimizers::PosteriorOptions sampling;
-    sampling.seed = run_seed(settings.seed, 0, 13);
-    sampling.max_draws = settings.calibration.posterior_draws;
-    sampling.wanted_ess = std::min(2000.0, static_cast<double>(settings.calibration.posterior_draws));
-    sampling.max_evaluations = 300000;
     out.posterior = optimizers::sample_posterior(
-        [&](const VectorXd& t, VectorXd*) { return likelihood.log_posterior(t); }, box, sampling);
+        [&](const VectorXd& t, VectorXd*) { return likelihood.log_posterior(t); }, box,
+        sampling_options(settings, 13));
 
     const MatrixXd looks = looks_at(out.posterior);
     MatrixXd opens(looks.rows(), trained.emulator.components());

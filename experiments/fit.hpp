@@ -53,6 +53,11 @@ struct Fit {
 Fit fit(const TrainedEmulator& trained, const ParameterSpace& space, const Observation& observation,
         const Settings& settings);
 
+/// Draws [n x d] of the coordinates from the posterior as it were if the emulator were as sure everywhere as
+/// it typically is between its runs: not drawn to where it knows nothing and so excludes nothing.
+Eigen::MatrixXd representative_draws(const TrainedEmulator& trained, const ParameterSpace& space,
+                                     const Observation& observation, const Settings& settings);
+
 /// Whether the data narrowed the prior: the central 90 % interval of the posterior, on the parameter's own
 /// scale, is less than three quarters as wide as the prior's.
 bool is_identified(double posterior_width, double prior_width);

@@ -68,8 +68,8 @@ Window plausible(const Campaign& campaign, std::span<const CalibrationTask> task
         const Observation observation = observation_of(campaign, columns, task.kinds);
         const TrainedEmulator trained =
             train_emulator(runs, campaign.space(), columns, transforms_of(observation), campaign.settings());
-        const Fit of_task = fit(trained, campaign.space(), observation, campaign.settings());
-        const Window window = window_about(of_task.posterior.draws.leftCols(campaign.space().dimension()));
+        const Window window =
+            window_about(representative_draws(trained, campaign.space(), observation, campaign.settings()));
         out = out ? hull(*out, window) : window;
     }
     return *out;

@@ -118,6 +118,12 @@ std::vector<Direction> directions_of(const Search& search, const ModelEffect* bu
     return out;
 }
 
+/// Whether the effect's strength 0 is not the base: freed rotation comes with it. What it does is then no
+/// small change, and its fingerprint at one strength says little of what its best strength explains.
+bool is_beyond_fingerprints(const ModelEffect& effect, const Settings& base) {
+    return effect.needs_rotation() && base.rotation != "free";
+}
+
 void test_base(Search& search, const StudiedModel& base) {
     const Projection projection(base.linear);
     const std::vector<Direction> directions = directions_of(search);
@@ -126,17 +132,16 @@ void test_base(Search& search, const StudiedModel& base) {
                    directed = direction_scores(projection, directions);
     for (std::size_t k = 0; k < search.probes.size(); ++k) {
         Probe& probe = search.probes[k];
+        // What freed rotation changes does not grow with the strength.
+        if (is_beyond_fingerprints(*probe.effect, base.settings()) && !probe.effect->parameters.empty()) {
+            probe.detectable_strength = NAN;
+            continue;
+        }
         probe.detectable_strength =
             probe.print.strength * detectable_strength(scores,
                                                        directed.row(static_cast<Index>(k)).transpose(),
                                                        search.location, probe.print.change);
     }
-}
-
-/// Whether the effect's strength 0 is not the base: freed rotation comes with it. What it does is then no
-/// small change, and its fingerprint at one strength says little of what its best strength explains.
-bool is_beyond_fingerprints(const ModelEffect& effect, const Settings& base) {
-    return effect.needs_rotation() && base.rotation != "free";
 }
 
 /// Places of the probes that lead, best first, and of those that their fingerprint cannot rule out.

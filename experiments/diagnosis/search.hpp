@@ -20,7 +20,8 @@ struct Probe {
     const ModelEffect* effect = nullptr;
     Fingerprint print;
     double usual_strength = 1;       // of its prior: root of the mean square, SI; 1 where it is there or not
-    double detectable_strength = 0;  // SI; infinity where these tests cannot show it
+    double detectable_strength = 0;  // SI; infinity where these tests cannot show it; NaN where a fingerprint
+                                     // cannot tell, as rotation is freed with the effect
     Explained explained;
     std::size_t runs = 0, failed = 0;
 };

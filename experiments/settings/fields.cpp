@@ -121,7 +121,7 @@ const std::array table{
     Field{"", "particles", [](Settings& s) -> Slot { return &s.particles; },
           "particles in a specimen", count(100, 2e6), nullptr, "N"},
     Field{"", "runs", [](Settings& s) -> Slot { return &s.runs; },
-          "simulations in the first design", count(1), nullptr, "N"},
+          "simulations in the first design (calibrate, crosstest: 20, and 20 for each fitted parameter; diagnose likewise, at most 80; bulk: 959)", count(1), nullptr, "N"},
     Field{"", "method", [](Settings& s) -> Slot { return &s.method; },
           "of the verb bulk: how parameters are found", {}, methods, "emulator|inverse-kriging"},
     Field{"", "confirm", [](Settings& s) -> Slot { return &s.confirm; },

@@ -110,6 +110,7 @@ json candidates_json(const Search& search) {
                    {"group", search.table.group[k]},
                    {"explained", probe.explained.chi_squared},
                    {"detectable_strength", number(probe.detectable_strength)},
+                   {"never_detectable", std::isinf(probe.detectable_strength)},
                    {"usual_strength", probe.usual_strength}};
         for (std::size_t l = 0; l < search.leaders.size(); ++l) {
             const Leader& leader = search.leaders[l];

@@ -2,7 +2,7 @@
 // what adding the named one does to the curves that were left out.
 const { el, table } = require("page/dom.js");
 const { chart } = require("page/chart.js");
-const { capital, finite, list, number, short, words } = require("page/format.js");
+const { capital, list, number, short, words } = require("page/format.js");
 const { makeSpec } = require("sections/test_chart.js");
 
 const regionOrder = [
@@ -69,7 +69,7 @@ function candidates(rows) {
       {
         head: "Would have shown from",
         number: true,
-        cell: (c) => (finite(c.detectable_strength) ? number(c.detectable_strength, 2) : "never"),
+        cell: (c) => (c.never_detectable ? "never" : number(c.detectable_strength, 2)),
       },
     ],
     rows,
