@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "experiments/ensemble/run_seed.hpp"
+#include "experiments/quantile.hpp"
 
 namespace loam::experiments {
 namespace {
@@ -80,20 +81,26 @@ double largest_difference(const Calibration& c, const Observation& observation, 
     return largest;
 }
 
+/// The estimate with the mean of its direct runs.
+TriedSet tried(const Calibration& c, const TrainedEmulator& trained) {
+    const Index m = static_cast<Index>(c.columns.size());
+    TriedSet out{c.fit.estimate, VectorXd::Zero(m)};
+    for (const RunRecord& run : c.confirmation) {
+        if (!run.ok) continue;
+        out.runs += 1;
+        for (Index k = 0; k < m; ++k)
+            out.mean[k] += trained.transforms[static_cast<std::size_t>(k)].forward(
+                run.outputs[c.columns[static_cast<std::size_t>(k)]]);
+    }
+    out.mean /= out.runs;
+    return out;
+}
+
 /// Compares the emulator with the mean of the direct runs, at the estimate.
 CalibrationRound compare(const Calibration& c, const TrainedEmulator& trained,
                          const Observation& observation) {
     const Index m = static_cast<Index>(c.columns.size());
-    VectorXd direct = VectorXd::Zero(m);
-    Index runs = 0;
-    for (const RunRecord& run : c.confirmation) {
-        if (!run.ok) continue;
-        ++runs;
-        for (Index k = 0; k < m; ++k)
-            direct[k] += trained.transforms[static_cast<std::size_t>(k)].forward(
-                run.outputs[c.columns[static_cast<std::size_t>(k)]]);
-    }
-    direct /= static_cast<double>(runs);
+    const TriedSet direct = tried(c, trained);
     const surrogate::CurvePrediction at = trained.emulator.predict(c.fit.estimate);
     VectorXd emulated(m);
     for (Index k = 0; k < m; ++k) {
@@ -101,11 +108,11 @@ CalibrationRound compare(const Calibration& c, const TrainedEmulator& trained,
         emulated[k] =
             transform.inverse(at.mean[k] + (transform.linear ? 0.0 : 0.5 * at.noise_covariance(k, k)));
     }
-    const MatrixXd spread = at.emulator_covariance + at.noise_covariance / static_cast<double>(runs);
+    const MatrixXd spread = at.emulator_covariance + at.noise_covariance / direct.runs;
     CalibrationRound round;
     round.runs = trained.runs;
     round.difference = largest_difference(c, observation, emulated);
-    const VectorXd difference = direct - at.mean;
+    const VectorXd difference = direct.mean - at.mean;
     round.disagreement = std::sqrt(std::max(0.0, difference.dot(spread.ldlt().solve(difference))));
     round.limit =
         std::sqrt(boost::math::quantile(boost::math::chi_squared(static_cast<double>(m)), agreement));
@@ -125,6 +132,41 @@ void add_runs(Campaign& campaign, const Calibration& c, std::vector<RunRecord>& 
     runs.insert(runs.end(), c.confirmation.begin(), c.confirmation.end());
 }
 
+/// Makes the direct runs of a round, at the estimate, `times` as many as usual.
+void confirm(Campaign& campaign, Calibration& c, int round, const CalibrationTask& task, int times = 1) {
+    c.confirmation =
+        direct_runs(campaign, campaign.space().physical(c.fit.estimate), round_number(task, round),
+                    times * campaign.settings().calibration.confirmation_packings, task.title);
+}
+
+/// Sums the direct runs up and appends how the emulator compares with them.
+void judge(Calibration& c, const Observation& observation) {
+    c.simulated = mean_outputs(c.confirmation);
+    c.replicate_sd = sd_outputs(c.confirmation);
+    c.rounds.push_back(compare(c, *c.trained, observation));
+}
+
+/// Where the emulator never became sure, its most probable set is no better than what it does not know: takes
+/// that of the sets tried which is the most probable by direct runs. As those runs have chosen it, and by
+/// luck among other things, it is confirmed by others, and by more.
+void take_best(Campaign& campaign, Calibration& c, const std::vector<TriedSet>& sets,
+               const Observation& observation, const CalibrationTask& task) {
+    const auto density = [&](const TriedSet& set) {
+        return log_density_by_runs(set, *c.trained, campaign.space(), observation, campaign.settings());
+    };
+    const auto best = std::ranges::max_element(sets, {}, density);
+    if (best + 1 != sets.end()) {
+        choose(c.fit, *best, *c.trained, campaign.space(), observation, campaign.settings());
+        confirm(campaign, c, campaign.settings().calibration.max_rounds + 1, task, 2);
+        judge(c, observation);
+        c.rounds.back().text += fmt::format("; estimate {} of {}, the most probable by its direct runs",
+                                            best - sets.begin() + 1, sets.size());
+    }
+    if (c.rounds.back().disagreement > c.rounds.back().limit)
+        c.warnings.push_back("emulator and direct runs still disagree at the estimate: " +
+                             c.rounds.back().text);
+}
+
 void warn_of_failures(const std::vector<RunRecord>& runs, Calibration& c) {
     const auto failed = std::ranges::count_if(runs, [](const RunRecord& run) { return !run.ok; });
     if (10 * failed < static_cast<std::ptrdiff_t>(runs.size())) return;
@@ -140,6 +182,11 @@ void warn_of_search(const Campaign& campaign, Calibration& c) {
         c.warnings.push_back(
             fmt::format("the posterior's chains have not settled (R-hat {:.3f}, effective draws {:.0f})",
                         p.rhat.maxCoeff(), p.ess_bulk.minCoeff()));
+    if (const double share = c.rounds.back().emulator_share; share > tolerable_share)
+        c.warnings.push_back(
+            fmt::format("the emulator makes {:.0f} % of the residuals' variance: the intervals are wide, or "
+                        "lie apart from the estimate, for want of runs (--runs, calibration.max_rounds)",
+                        100 * share));
     if (const Index k = outside_posterior(c.fit); k >= 0)
         c.warnings.push_back(fmt::format(
             "the estimate of {} lies outside the central 99 % of its posterior: the emulator is much "
@@ -203,12 +250,11 @@ Calibration calibrate(Campaign& campaign, std::vector<RunRecord>& runs, const Ca
             "every parameter is fixed: nothing is left to fit; loam simulate runs the tests");
     const std::vector<OutputTransform> transforms = transforms_of(observation);
     const int last = campaign.settings().calibration.max_rounds;
+    std::vector<TriedSet> sets;
     for (int round = 0; round <= last; ++round) {
         c.trained.emplace(train_emulator(runs, campaign.space(), c.columns, transforms, campaign.settings()));
         c.fit = fit(*c.trained, campaign.space(), observation, campaign.settings());
-        c.confirmation =
-            direct_runs(campaign, campaign.space().physical(c.fit.estimate), round_number(task, round),
-                        campaign.settings().calibration.confirmation_packings, task.title);
+        confirm(campaign, c, round, task);
         if (round < last && std::ranges::none_of(c.confirmation, &RunRecord::ok)) {
             // The emulator knew nothing there; now it is known that runs fail.
             c.rounds.push_back(
@@ -217,9 +263,8 @@ Calibration calibrate(Campaign& campaign, std::vector<RunRecord>& runs, const Ca
             add_runs(campaign, c, runs, round_number(task, round), task.title);
             continue;
         }
-        c.simulated = mean_outputs(c.confirmation);
-        c.replicate_sd = sd_outputs(c.confirmation);
-        c.rounds.push_back(compare(c, *c.trained, observation));
+        judge(c, observation);
+        sets.push_back(tried(c, *c.trained));
         const CalibrationRound& now = c.rounds.back();
         if (now.disagreement <= now.limit && now.emulator_share <= tolerable_share && now.difference <= 1 &&
             outside_posterior(c.fit) < 0) {
@@ -228,8 +273,7 @@ Calibration calibrate(Campaign& campaign, std::vector<RunRecord>& runs, const Ca
         }
         if (round == last) {
             c.stopped_by = "the number of rounds allowed";
-            if (now.disagreement > now.limit)
-                c.warnings.push_back("emulator and direct runs still disagree at the estimate: " + now.text);
+            take_best(campaign, c, sets, observation, task);
             break;
         }
         add_runs(campaign, c, runs, round_number(task, round), task.title);

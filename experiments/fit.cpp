@@ -81,6 +81,9 @@ class Likelihood {
         return trained_.emulator.predict_components(theta.head(parameters())).variance.cwiseMin(most_open_);
     }
 
+    /// The same at a typical place between the runs.
+    VectorXd typical_variance() const { return trained_.emulator.typical_variance(); }
+
     double emulator_variance(const VectorXd& open) const { return (loadings_.cwiseAbs2() * open).sum(); }
 
     /// The emulator gives the mean of T over packings. A specimen of more grains averages the curve itself
@@ -108,6 +111,12 @@ class Likelihood {
                              open);
     }
 
+    /// With the mean curve [m] of `runs` direct runs at theta in place of the emulator's.
+    double log_by_runs(const VectorXd& theta, const VectorXd& mean, double runs) const {
+        const VectorXd none = VectorXd::Zero(loadings_.cols());
+        return log_density(theta, mean, none, observation_.packing_share + 1 / runs);
+    }
+
     /// Residuals whitened by a covariance, with the priors of the parameters as further residuals.
     void residuals(const VectorXd& x, const Eigen::LLT<MatrixXd>& factor, VectorXd& out,
                    MatrixXd* jacobian) const {
@@ -126,15 +135,21 @@ class Likelihood {
 
   private:
     double log_posterior(const VectorXd& theta, const VectorXd& components, const VectorXd& open) const {
+        return log_density(theta, trained_.emulator.offset() + loadings_ * components, open,
+                           observation_.packing_share);
+    }
+
+    /// For a model whose mean curve [m] is known but for `open` [q], and differs from the measured specimens
+    /// by `packings` times the variance of a run.
+    double log_density(const VectorXd& theta, const VectorXd& mean, const VectorXd& open,
+                       double packings) const {
         const CurveNoise& noise = trained_.emulator.noise();
         const double scale = noise.scale(theta.head(parameters()));
-        const VectorXd residuals =
-            target_ - trained_.emulator.offset() - loadings_ * components - large_specimen(scale);
+        const VectorXd residuals = target_ - mean - large_specimen(scale);
         const VectorXd misfits = misfits_at(theta);
         ResidualFactor factor(loadings_, open, residuals);
         for (const Stretch& at : readings_.specimens()) {
-            MatrixXd block = observation_.packing_share * scale *
-                             noise.centre.block(at.first, at.first, at.count, at.count);
+            MatrixXd block = packings * scale * noise.centre.block(at.first, at.first, at.count, at.count);
             readings_.add(misfits, block, at.first);
             if (!factor.add(at, block)) return -INFINITY;
         }
@@ -203,6 +218,31 @@ Feasibility feasibility_of(const std::vector<RunRecord>& runs, const ParameterSp
     return {x, success};
 }
 
+Window plausible_window(const Likelihood& likelihood, const Settings& settings) {
+    const VectorXd open = likelihood.typical_variance();
+    const auto density = [&](const VectorXd& theta, VectorXd*) {
+        return likelihood.log_representative(theta, open);
+    };
+    const optimizers::Posterior posterior = optimizers::sample_posterior(
+        density, optimizers::unit_cube(likelihood.dimension()), sampling_options(settings, 14));
+    return window_about(posterior.draws.leftCols(likelihood.parameters()));
+}
+
+/// The set's coordinates with the misfits' that are most probable by its direct runs, and that log density.
+std::pair<VectorXd, double> most_probable_misfits(const Likelihood& likelihood, const TriedSet& set) {
+    const Index d = likelihood.parameters(), misfits = likelihood.misfits();
+    VectorXd theta(d + misfits);
+    theta.head(d) = set.x;
+    const auto negative = [&](const VectorXd& at, VectorXd*) {
+        theta.tail(misfits) = at;
+        return -likelihood.log_by_runs(theta, set.mean, set.runs);
+    };
+    const optimizers::Minimum found = optimizers::minimise("sbplx", negative, optimizers::unit_cube(misfits),
+                                                           VectorXd::Constant(misfits, 0.5));
+    theta.tail(misfits) = found.x;
+    return {theta, -found.value};
+}
+
 }  // namespace
 
 TrainedEmulator train_emulator(const std::vector<RunRecord>& runs, const ParameterSpace& space,
@@ -232,27 +272,27 @@ TrainedEmulator train_emulator(const std::vector<RunRecord>& runs, const Paramet
             feasibility_of(runs, space)};
 }
 
-MatrixXd representative_draws(const TrainedEmulator& trained, const ParameterSpace& space,
-                              const Observation& observation, const Settings& settings) {
-    const Likelihood likelihood(trained, space, observation, settings.calibration.confirmation_packings);
-    const VectorXd open = trained.emulator.typical_variance();
-    return optimizers::sample_posterior(
-               [&](const VectorXd& t, VectorXd*) { return likelihood.log_representative(t, open); },
-               optimizers::unit_cube(likelihood.dimension()), sampling_options(settings, 14))
-        .draws.leftCols(likelihood.parameters());
+Window plausible_window(const TrainedEmulator& trained, const ParameterSpace& space,
+                        const Observation& observation, const Settings& settings) {
+    return plausible_window({trained, space, observation, settings.calibration.confirmation_packings},
+                            settings);
 }
 
 Fit fit(const TrainedEmulator& trained, const ParameterSpace& space, const Observation& observation,
         const Settings& settings) {
     const Likelihood likelihood(trained, space, observation, settings.calibration.confirmation_packings);
     const Index n = likelihood.dimension(), d = likelihood.parameters();
-    const optimizers::Bounds box = optimizers::unit_cube(n);
+    const Window window = plausible_window(likelihood, settings);
+    optimizers::Bounds box = optimizers::unit_cube(n);
+    box.lower.head(d) = window.lower;
+    box.upper.head(d) = window.upper;
     optimizers::Options options;  // of the search
     options.seed = run_seed(settings.seed, 0, 12);
     options.max_evaluations = 6000;
     options.relative_tolerance = 1e-6;
     VectorXd start(n);
     for (Index k = 0; k < d; ++k) start[k] = space.prior(k).quantile_unit(0.5);
+    start.head(d) = start.head(d).cwiseMax(window.lower).cwiseMin(window.upper);
     for (Index k = d; k < n; ++k) start[k] = likelihood.misfit_prior_of(k - d).quantile_unit(0.5);
 
     Fit out;
@@ -268,8 +308,8 @@ Fit fit(const TrainedEmulator& trained, const ParameterSpace& space, const Obser
         const double all = likelihood.covariance(looks.row(k).transpose(), opens.row(k).transpose()).trace();
         out.emulator_share += emulator / all / static_cast<double>(looks.rows());
     }
-    const VectorXd open = opens.colwise().mean().transpose().cwiseMin(trained.emulator.typical_variance());
 
+    const VectorXd open = VectorXd::Zero(trained.emulator.components());
     const auto negative = [&](const VectorXd& theta, VectorXd*) {
         return -likelihood.log_representative(theta, open);
     };
@@ -295,17 +335,25 @@ Fit fit(const TrainedEmulator& trained, const ParameterSpace& space, const Obser
     return out;
 }
 
-bool is_identified(double posterior_width, double prior_width) {
-    return posterior_width < identified_below * prior_width;
+void choose(Fit& fit, const TriedSet& set, const TrainedEmulator& trained, const ParameterSpace& space,
+            const Observation& observation, const Settings& settings) {
+    const Likelihood likelihood(trained, space, observation, settings.calibration.confirmation_packings);
+    const VectorXd theta = most_probable_misfits(likelihood, set).first;
+    fit.estimate = set.x;
+    fit.misfits = likelihood.misfits_at(theta);
+    fit.log_posterior = likelihood.log_posterior(theta);
+    fit.covariance = likelihood.covariance(theta, likelihood.open_at(theta));
 }
 
-double quantile(std::vector<double> values, double q) {
-    if (values.empty()) throw std::invalid_argument("quantile: no values");
-    std::ranges::sort(values);
-    const double at = q * static_cast<double>(values.size() - 1);
-    const auto low = static_cast<std::size_t>(at);
-    const std::size_t high = std::min(low + 1, values.size() - 1);
-    return values[low] + (at - static_cast<double>(low)) * (values[high] - values[low]);
+double log_density_by_runs(const TriedSet& set, const TrainedEmulator& trained, const ParameterSpace& space,
+                           const Observation& observation, const Settings& settings) {
+    return most_probable_misfits({trained, space, observation, settings.calibration.confirmation_packings},
+                                 set)
+        .second;
+}
+
+bool is_identified(double posterior_width, double prior_width) {
+    return posterior_width < identified_below * prior_width;
 }
 
 }  // namespace loam::experiments

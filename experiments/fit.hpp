@@ -18,6 +18,7 @@
 #include "experiments/feasibility.hpp"
 #include "experiments/observation.hpp"
 #include "experiments/settings/settings.hpp"
+#include "experiments/window.hpp"
 #include "optimizers/posterior.hpp"
 #include "surrogate/curve_emulator.hpp"
 
@@ -38,8 +39,7 @@ TrainedEmulator train_emulator(const std::vector<RunRecord>& runs, const Paramet
                                const std::vector<OutputTransform>& transforms, const Settings& settings);
 
 struct Fit {
-    Eigen::VectorXd estimate;  // [d] most probable coordinates in the unit cube, were the emulator equally
-                               // sure everywhere
+    Eigen::VectorXd estimate;  // [d] most probable coordinates in the unit cube, were the emulator right
     Eigen::VectorXd misfits;   // sd of what the model cannot follow, at the estimate, in the curves' units
     double log_posterior = 0;  // at the estimate, up to a constant
     optimizers::Posterior posterior;    // draws [n x d+misfits]: coordinates, misfits'
@@ -48,21 +48,33 @@ struct Fit {
     optimizers::Summary global, local;  // of the search for the estimate
 };
 
-/// Global search (NLopt), least-squares refinement (Ceres) and posterior. Deterministic under the settings'
-/// seed.
+/// Within the plausible window: global search (NLopt), least-squares refinement (Ceres) and posterior.
+/// Deterministic under the settings' seed.
 Fit fit(const TrainedEmulator& trained, const ParameterSpace& space, const Observation& observation,
         const Settings& settings);
 
-/// Draws [n x d] of the coordinates from the posterior as it were if the emulator were as sure everywhere as
-/// it typically is between its runs: not drawn to where it knows nothing and so excludes nothing.
-Eigen::MatrixXd representative_draws(const TrainedEmulator& trained, const ParameterSpace& space,
-                                     const Observation& observation, const Settings& settings);
+/// Coordinates [d] at which direct runs were made, and the mean [m] of their curves, transformed.
+struct TriedSet {
+    Eigen::VectorXd x, mean;
+    double runs = 0;
+};
+
+/// Log posterior density of the set, up to a constant, by its direct runs in place of the emulator, at the
+/// most probable misfits.
+double log_density_by_runs(const TriedSet& set, const TrainedEmulator& trained, const ParameterSpace& space,
+                           const Observation& observation, const Settings& settings);
+
+/// Makes the set the fit's estimate; the posterior stays.
+void choose(Fit& fit, const TriedSet& set, const TrainedEmulator& trained, const ParameterSpace& space,
+            const Observation& observation, const Settings& settings);
+
+/// Where the parameters are plausible, were the emulator as sure everywhere as it typically is between its
+/// runs: a posterior that is not drawn to where the emulator knows nothing and so excludes nothing.
+Window plausible_window(const TrainedEmulator& trained, const ParameterSpace& space,
+                        const Observation& observation, const Settings& settings);
 
 /// Whether the data narrowed the prior: the central 90 % interval of the posterior, on the parameter's own
 /// scale, is less than three quarters as wide as the prior's.
 bool is_identified(double posterior_width, double prior_width);
-
-/// Draws' quantile of each column: linear interpolation of the order statistics.
-double quantile(std::vector<double> values, double q);
 
 }  // namespace loam::experiments

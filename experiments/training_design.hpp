@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "experiments/campaign.hpp"
+#include "experiments/window.hpp"
 
 namespace loam::experiments {
 
@@ -20,18 +21,6 @@ struct CalibrationTask {
     std::uint64_t place = 0;  // 0..4, of its own runs in the ensemble
     std::string title{};      // goes before what progress says
 };
-
-/// A part of the unit cube, bounds [d].
-struct Window {
-    Eigen::VectorXd lower, upper;
-};
-
-/// The bounds of `draws` [n x d] but for a thousandth at either end, wider by half of their distance and by
-/// 0.03 of the cube, which they do not leave. Expects n > 0.
-Window window_about(const Eigen::MatrixXd& draws);
-
-/// The least window that holds both.
-Window hull(const Window& a, const Window& b);
 
 /// Probabilities [n x d] as coordinates of the unit cube: by the priors' quantiles, within the window.
 Eigen::MatrixXd from_probabilities(const ParameterSpace& space, const Window& window,

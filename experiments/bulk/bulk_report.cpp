@@ -6,6 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "experiments/quantile.hpp"
 #include "experiments/settings/writing.hpp"
 
 namespace loam::experiments {

@@ -8,6 +8,7 @@
 #include <map>
 
 #include "experiments/bulk/precompression.hpp"
+#include "experiments/quantile.hpp"
 #include "surrogate/statistics/rank_tests.hpp"
 
 namespace loam::experiments {

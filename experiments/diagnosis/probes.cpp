@@ -163,8 +163,8 @@ std::vector<RunRecord> runs_without(const StudiedModel& base, const ModelEffect&
 
 Window window_with(const StudiedModel& base, const ParameterSpace& space) {
     const Index d = base.estimate.size();
-    const Window of_base = window_about(representative_draws(*base.calibration.trained, base.campaign.space(),
-                                                             base.observation, base.settings()));
+    const Window of_base =
+        plausible_window(*base.calibration.trained, base.campaign.space(), base.observation, base.settings());
     Window out{VectorXd::Zero(space.dimension()), VectorXd::Ones(space.dimension())};
     out.lower.head(d) =
         of_base.lower.cwiseMin((base.estimate.array() - shift_by_effect).matrix()).cwiseMax(0.0);

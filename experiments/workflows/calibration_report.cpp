@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "experiments/ensemble/run_seed.hpp"
+#include "experiments/quantile.hpp"
 #include "experiments/settings/writing.hpp"
 #include "experiments/workflows/joint_report.hpp"
 #include "experiments/workflows/result_json.hpp"

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "experiments/quantile.hpp"
+
 namespace loam::experiments {
 
 Eigen::MatrixXd quantiles_of(const Eigen::MatrixXd& draws) {

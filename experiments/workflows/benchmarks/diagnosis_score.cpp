@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <set>
 
-#include "experiments/fit.hpp"
+#include "experiments/quantile.hpp"
 
 namespace loam::experiments {
 namespace {

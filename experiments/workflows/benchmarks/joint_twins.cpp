@@ -11,6 +11,7 @@
 
 #include "experiments/calibration.hpp"
 #include "experiments/ensemble/run_seed.hpp"
+#include "experiments/quantile.hpp"
 #include "experiments/settings/run_folder.hpp"
 #include "experiments/workflows/benchmarks/benchmarks.hpp"
 #include "experiments/workflows/benchmarks/twin_tests.hpp"

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "experiments/fit.hpp"
+#include "experiments/quantile.hpp"
 
 namespace loam::experiments {
 namespace {
@@ -113,6 +114,35 @@ TEST(Fit, IsNotDrawnToWhereTheEmulatorKnowsNothing) {
     EXPECT_NEAR(found.posterior.draws(densest, 0), 0.22, 0.1);
     EXPECT_NEAR(found.estimate[0], 0.22, 0.1);
     EXPECT_GT(found.misfits[0], 1e-3);
+}
+
+TEST(Fit, OfSetsThatWereTriedTheOneWhoseRunsAreNearestIsTheMostProbable) {
+    HalfKnown given;
+    given.observation.measured.resize(HalfKnown::readings);
+    for (Eigen::Index k = 0; k < HalfKnown::readings; ++k)
+        given.observation.measured[k] = HalfKnown::strain(0.3, k);
+    const std::vector<OutputTransform> transforms = transforms_of(given.observation);
+    const TrainedEmulator trained =
+        train_emulator(given.runs, given.space, given.columns, transforms, given.settings);
+    // Where the emulator knows nothing: direct runs do, and they alone are asked.
+    const auto with_curve_of = [&](double x) {
+        TriedSet set{Eigen::VectorXd::Constant(1, 0.9), Eigen::VectorXd(HalfKnown::readings), 12};
+        for (Eigen::Index k = 0; k < HalfKnown::readings; ++k)
+            set.mean[k] = transforms[static_cast<std::size_t>(k)].forward(HalfKnown::strain(x, k));
+        return set;
+    };
+    const auto density = [&](double x) {
+        return log_density_by_runs(with_curve_of(x), trained, given.space, given.observation, given.settings);
+    };
+    EXPECT_GT(density(0.3), density(0.27) + 1);
+    EXPECT_GT(density(0.3), density(0.33) + 1);
+    EXPECT_GT(density(0.33), density(0.6) + 1);
+    Fit found = fit(trained, given.space, given.observation, given.settings);
+    const Eigen::MatrixXd draws = found.posterior.draws;
+    choose(found, with_curve_of(0.6), trained, given.space, given.observation, given.settings);
+    EXPECT_EQ(found.estimate[0], 0.9);
+    EXPECT_GT(found.misfits[0], 1e-3);
+    EXPECT_EQ(found.posterior.draws, draws);
 }
 
 }  // namespace
