@@ -162,6 +162,9 @@ void take_best(Campaign& campaign, Calibration& c, const std::vector<TriedSet>& 
         c.rounds.back().text += fmt::format("; estimate {} of {}, the most probable by its direct runs",
                                             best - sets.begin() + 1, sets.size());
     }
+}
+
+void warn_of_disagreement(Calibration& c) {
     if (c.rounds.back().disagreement > c.rounds.back().limit)
         c.warnings.push_back("emulator and direct runs still disagree at the estimate: " +
                              c.rounds.back().text);
@@ -273,7 +276,8 @@ Calibration calibrate(Campaign& campaign, std::vector<RunRecord>& runs, const Ca
         }
         if (round == last) {
             c.stopped_by = "the number of rounds allowed";
-            take_best(campaign, c, sets, observation, task);
+            if (task.chooses) take_best(campaign, c, sets, observation, task);
+            warn_of_disagreement(c);
             break;
         }
         add_runs(campaign, c, runs, round_number(task, round), task.title);

@@ -20,6 +20,7 @@ struct CalibrationTask {
         kinds{};              // of the tests that are fitted; empty: all that are not held out
     std::uint64_t place = 0;  // 0..4, of its own runs in the ensemble
     std::string title{};      // goes before what progress says
+    bool chooses = true;      // by direct runs among the sets tried, if the emulator never becomes sure
 };
 
 /// Probabilities [n x d] as coordinates of the unit cube: by the priors' quantiles, within the window.

@@ -194,10 +194,10 @@ std::unique_ptr<StudiedModel> study_model(const Settings& settings, const lab_da
     std::filesystem::create_directories(folder);
     auto model = std::make_unique<StudiedModel>(settings, sample, folder, log);
     Calibration& c = model->calibration;
-    const CalibrationTask task;
+    const CalibrationTask task{.chooses = false};  // the estimate is moved below
     std::vector<RunRecord> runs = narrowing_runs(model->campaign, {&task, 1}, first, known);
     runs.insert(runs.end(), known.begin(), known.end());
-    c = calibrate(model->campaign, runs);
+    c = calibrate(model->campaign, runs, task);
     std::vector<Index> columns;
     model->observation = observation_of(model->campaign, columns);
     settle(*model, runs);
