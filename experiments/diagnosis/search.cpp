@@ -110,6 +110,17 @@ void probe_all(Search& search, const StudiedModel& base, const lab_data::Sample&
     search.table = compare_fingerprints(projection, prints, thresholds::same_group_cosine);
 }
 
+/// Where the model fails the most, and how much.
+std::string failure(const Location& at, const std::vector<Region>& regions) {
+    Index worst = 0;
+    at.z.cwiseAbs().maxCoeff(&worst);
+    const Region& region = regions[static_cast<std::size_t>(worst)];
+    return fmt::format("p = {:.2g}, largest |z| {:.1f} (threshold {:.1f}), {}: {}", at.p_value,
+                       std::abs(at.z[worst]), at.threshold,
+                       at.z[worst] > 0 ? "measured above the model" : "measured below the model",
+                       fmt::format("{} of {}, {}", region.channel, region.test, region.name));
+}
+
 /// What the effects but one would change.
 std::vector<Direction> directions_of(const Search& search, const ModelEffect* but = nullptr) {
     std::vector<Direction> out;
@@ -228,13 +239,16 @@ Search search_for_effect(StudiedModel& base, const lab_data::Sample& sample,
     if (can_hold_out) out.held_out = predict_held_out(base.fitted, groups, base.estimate);
     probe_all(out, base, sample, folder, log, report);
     test_base(out, base);
-    report(fmt::format("where the model fails: p = {:.2g}, largest |z| {:.1f} (threshold {:.1f})",
-                       out.location.p_value, out.location.z.cwiseAbs().maxCoeff(), out.location.threshold));
+    report("where the model fails: " + failure(out.location, out.regions));
     if (out.location.alarm)
         for (const std::size_t k : leading(out, base.settings())) {
             report(fmt::format("ensemble with {}", out.probes[k].effect->name));
-            or_leave_out(*out.probes[k].effect, out,
-                         [&] { out.leaders.push_back(lead(out, k, base, sample, folder, log)); });
+            or_leave_out(*out.probes[k].effect, out, [&] {
+                out.leaders.push_back(lead(out, k, base, sample, folder, log));
+                const Leader& leader = out.leaders.back();
+                report(fmt::format("the model with {}: {}; held-out gain {:.1f}", leader.effect->name,
+                                   failure(leader.location, leader.regions), leader.finalist.held_out_gain));
+            });
         }
     std::vector<Finalist> finalists;
     for (const Leader& leader : out.leaders) finalists.push_back(leader.finalist);
