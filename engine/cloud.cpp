@@ -19,7 +19,7 @@ using Eigen::Vector3d;
 // and at one void ratio to a third fewer contacts. YADE compacts the denser cloud to 0.80, and a gas of its
 // own to 0.90.
 constexpr double cloud_porosity = 0.76;
-// In a box the dense cloud it is: YADE's direct shear boxes of lab_data/sets/twin_blocked have its fabric.
+// In a box the dense cloud it is: YADE's direct shear curves of lab_data/sets/twin_blocked ask for its fabric.
 // From a cloud of 0.70 the shear stress rises a quarter too fast at first, and half as much is compacted.
 constexpr double boxed_cloud_porosity = 0.62;
 

@@ -151,17 +151,12 @@ void judge(Calibration& c, const Observation& observation) {
 /// luck among other things, it is confirmed by others, and by more.
 void take_best(Campaign& campaign, Calibration& c, const std::vector<TriedSet>& sets,
                const Observation& observation, const CalibrationTask& task) {
-    const auto density = [&](const TriedSet& set) {
-        return log_density_by_runs(set, *c.trained, campaign.space(), observation, campaign.settings());
-    };
-    const auto best = std::ranges::max_element(sets, {}, density);
-    if (best + 1 != sets.end()) {
-        choose(c.fit, *best, *c.trained, campaign.space(), observation, campaign.settings());
-        confirm(campaign, c, campaign.settings().calibration.max_rounds + 1, task, 2);
-        judge(c, observation);
-        c.rounds.back().text += fmt::format("; estimate {} of {}, the most probable by its direct runs",
-                                            best - sets.begin() + 1, sets.size());
-    }
+    const std::size_t best =
+        choose(c.fit, sets, *c.trained, campaign.space(), observation, campaign.settings());
+    confirm(campaign, c, campaign.settings().calibration.max_rounds + 1, task, 2);
+    judge(c, observation);
+    c.rounds.back().text +=
+        fmt::format("; estimate {} of {}, the most probable by its direct runs", best + 1, sets.size());
 }
 
 void warn_of_disagreement(Calibration& c) {
@@ -276,7 +271,7 @@ Calibration calibrate(Campaign& campaign, std::vector<RunRecord>& runs, const Ca
         }
         if (round == last) {
             c.stopped_by = "the number of rounds allowed";
-            if (task.chooses) take_best(campaign, c, sets, observation, task);
+            if (task.chooses && sets.size() > 1) take_best(campaign, c, sets, observation, task);
             warn_of_disagreement(c);
             break;
         }

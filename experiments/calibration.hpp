@@ -2,7 +2,8 @@
 // where emulator and direct runs disagree by more than their noise or by more than a laboratory would notice,
 // or the emulator is a large part of the uncertainty, or estimate and posterior lie apart, runs are added
 // where the posterior lies, and the loop goes round. The direct runs of a round that
-// is over train the next emulator; the last round's never do.
+// is over train the next emulator; the last round's never do. If the emulator has not become sure when the
+// rounds end, direct runs choose among the estimates tried, and others confirm the one that is chosen.
 #pragma once
 
 #include <optional>

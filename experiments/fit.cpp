@@ -335,21 +335,25 @@ Fit fit(const TrainedEmulator& trained, const ParameterSpace& space, const Obser
     return out;
 }
 
-void choose(Fit& fit, const TriedSet& set, const TrainedEmulator& trained, const ParameterSpace& space,
-            const Observation& observation, const Settings& settings) {
+std::size_t choose(Fit& fit, const std::vector<TriedSet>& sets, const TrainedEmulator& trained,
+                   const ParameterSpace& space, const Observation& observation, const Settings& settings) {
+    if (sets.empty()) throw std::invalid_argument("choose: no sets");
     const Likelihood likelihood(trained, space, observation, settings.calibration.confirmation_packings);
-    const VectorXd theta = most_probable_misfits(likelihood, set).first;
-    fit.estimate = set.x;
+    VectorXd theta;
+    double greatest = -INFINITY;
+    std::size_t best = 0;
+    for (std::size_t k = 0; k < sets.size(); ++k) {
+        const auto [at, density] = most_probable_misfits(likelihood, sets[k]);
+        if (k > 0 && density <= greatest) continue;
+        theta = at;
+        greatest = density;
+        best = k;
+    }
+    fit.estimate = sets[best].x;
     fit.misfits = likelihood.misfits_at(theta);
     fit.log_posterior = likelihood.log_posterior(theta);
     fit.covariance = likelihood.covariance(theta, likelihood.open_at(theta));
-}
-
-double log_density_by_runs(const TriedSet& set, const TrainedEmulator& trained, const ParameterSpace& space,
-                           const Observation& observation, const Settings& settings) {
-    return most_probable_misfits({trained, space, observation, settings.calibration.confirmation_packings},
-                                 set)
-        .second;
+    return best;
 }
 
 bool is_identified(double posterior_width, double prior_width) {

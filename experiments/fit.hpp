@@ -59,14 +59,11 @@ struct TriedSet {
     double runs = 0;
 };
 
-/// Log posterior density of the set, up to a constant, by its direct runs in place of the emulator, at the
-/// most probable misfits.
-double log_density_by_runs(const TriedSet& set, const TrainedEmulator& trained, const ParameterSpace& space,
-                           const Observation& observation, const Settings& settings);
-
-/// Makes the set the fit's estimate; the posterior stays.
-void choose(Fit& fit, const TriedSet& set, const TrainedEmulator& trained, const ParameterSpace& space,
-            const Observation& observation, const Settings& settings);
+/// Makes that of the sets the fit's estimate which is the most probable by its direct runs in place of the
+/// emulator, each at its most probable misfits; the posterior stays. Returns its place. Throws
+/// std::invalid_argument when there are none.
+std::size_t choose(Fit& fit, const std::vector<TriedSet>& sets, const TrainedEmulator& trained,
+                   const ParameterSpace& space, const Observation& observation, const Settings& settings);
 
 /// Where the parameters are plausible, were the emulator as sure everywhere as it typically is between its
 /// runs: a posterior that is not drawn to where the emulator knows nothing and so excludes nothing.

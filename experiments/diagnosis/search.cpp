@@ -115,10 +115,10 @@ std::string failure(const Location& at, const std::vector<Region>& regions) {
     Index worst = 0;
     at.z.cwiseAbs().maxCoeff(&worst);
     const Region& region = regions[static_cast<std::size_t>(worst)];
-    return fmt::format("p = {:.2g}, largest |z| {:.1f} (threshold {:.1f}), {}: {}", at.p_value,
-                       std::abs(at.z[worst]), at.threshold,
-                       at.z[worst] > 0 ? "measured above the model" : "measured below the model",
-                       fmt::format("{} of {}, {}", region.channel, region.test, region.name));
+    return fmt::format(
+        "p = {:.2g}, largest |z| {:.1f} (threshold {:.1f}), measured {} the model: {} of {}, {}", at.p_value,
+        std::abs(at.z[worst]), at.threshold, at.z[worst] > 0 ? "above" : "below", region.channel, region.test,
+        region.name);
 }
 
 /// What the effects but one would change.
@@ -246,8 +246,10 @@ Search search_for_effect(StudiedModel& base, const lab_data::Sample& sample,
             or_leave_out(*out.probes[k].effect, out, [&] {
                 out.leaders.push_back(lead(out, k, base, sample, folder, log));
                 const Leader& leader = out.leaders.back();
-                report(fmt::format("the model with {}: {}; held-out gain {:.1f}", leader.effect->name,
-                                   failure(leader.location, leader.regions), leader.finalist.held_out_gain));
+                report(fmt::format(
+                    "the model with {}: {}{}", leader.effect->name, failure(leader.location, leader.regions),
+                    can_hold_out ? fmt::format("; held-out gain {:.1f}", leader.finalist.held_out_gain)
+                                 : ""));
             });
         }
     std::vector<Finalist> finalists;

@@ -116,6 +116,22 @@ TEST(Fit, IsNotDrawnToWhereTheEmulatorKnowsNothing) {
     EXPECT_GT(found.misfits[0], 1e-3);
 }
 
+TEST(Fit, ThePosteriorStaysWhereParametersArePlausible) {
+    // So far from any curve of the model's that what the emulator leaves open beyond the runs attracts:
+    // without the window some draws lie at 0.9.
+    HalfKnown given;
+    given.observation.measured.resize(HalfKnown::readings);
+    for (Eigen::Index k = 0; k < HalfKnown::readings; ++k)
+        given.observation.measured[k] = HalfKnown::bent(1.2, k);
+    const TrainedEmulator trained = train_emulator(given.runs, given.space, given.columns,
+                                                   transforms_of(given.observation), given.settings);
+    const Window window = plausible_window(trained, given.space, given.observation, given.settings);
+    EXPECT_LT(window.upper[0], 0.9);
+    const Fit found = fit(trained, given.space, given.observation, given.settings);
+    EXPECT_LE(found.posterior.draws.col(0).maxCoeff(), window.upper[0]);
+    EXPECT_GE(found.posterior.draws.col(0).minCoeff(), window.lower[0]);
+}
+
 TEST(Fit, OfSetsThatWereTriedTheOneWhoseRunsAreNearestIsTheMostProbable) {
     HalfKnown given;
     given.observation.measured.resize(HalfKnown::readings);
@@ -131,18 +147,21 @@ TEST(Fit, OfSetsThatWereTriedTheOneWhoseRunsAreNearestIsTheMostProbable) {
             set.mean[k] = transforms[static_cast<std::size_t>(k)].forward(HalfKnown::strain(x, k));
         return set;
     };
-    const auto density = [&](double x) {
-        return log_density_by_runs(with_curve_of(x), trained, given.space, given.observation, given.settings);
-    };
-    EXPECT_GT(density(0.3), density(0.27) + 1);
-    EXPECT_GT(density(0.3), density(0.33) + 1);
-    EXPECT_GT(density(0.33), density(0.6) + 1);
     Fit found = fit(trained, given.space, given.observation, given.settings);
     const Eigen::MatrixXd draws = found.posterior.draws;
-    choose(found, with_curve_of(0.6), trained, given.space, given.observation, given.settings);
-    EXPECT_EQ(found.estimate[0], 0.9);
+    const auto chosen = [&](std::vector<double> curves) {
+        std::vector<TriedSet> sets;
+        for (const double x : curves) sets.push_back(with_curve_of(x));
+        return choose(found, sets, trained, given.space, given.observation, given.settings);
+    };
+    EXPECT_EQ(chosen({0.27, 0.3, 0.33}), 1u);
+    EXPECT_EQ(chosen({0.6, 0.33}), 1u);
+    EXPECT_LT(found.misfits[0], 1e-3);
+    EXPECT_EQ(chosen({0.6}), 0u);
     EXPECT_GT(found.misfits[0], 1e-3);
+    EXPECT_EQ(found.estimate[0], 0.9);
     EXPECT_EQ(found.posterior.draws, draws);
+    EXPECT_THROW(chosen({}), std::invalid_argument);
 }
 
 }  // namespace

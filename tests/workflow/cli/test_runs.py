@@ -181,6 +181,10 @@ class Calibrate(RunTest):
         self.assertEqual(json.loads(first.output), result)
         self.assertEqual((result["verb"], result["name"], result["seed"]), ("calibrate", "dobrany-sand", 1))
         self.assertEqual(result["parameters"]["young_modulus"]["estimate"], 3e7)
+        # One round is too few here: direct runs choose, and twice as many others confirm.
+        log = (self.folder / "first/log.txt").read_text(encoding="utf-8")
+        self.assertRegex(log, r"estimate [12] of 2, the most probable by its direct runs")
+        self.assertEqual(re.findall(r"direct runs: (\d+) runs", log), ["2", "2", "4"])
 
         second = self.run_it("calibrate", "second", "--jobs", 1, "--quiet")
         self.assertEqual((second.returncode, second.error), (0, ""))
