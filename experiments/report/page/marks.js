@@ -22,7 +22,8 @@ const figure = (width, height, parts) => ({ width, height, padding: 3, ...parts 
 
 // The data of a histogram of `values` with `count` bars between `low` and `high`, as a density (area 1).
 function histogramData(name, values, low, high, count) {
-  const step = (high - low) / count;
+  // Longer by a hair: Vega puts what lies above low + count * step, by rounding alone, into a bin at infinity.
+  const step = ((high - low) / count) * (1 + 1e-12);
   const bins = { type: "bin", field: "value", extent: [low, high], step, nice: false, as: ["low", "high"] };
   const totals = { type: "aggregate", groupby: ["low", "high"], ops: ["count"], as: ["count"] };
   const density = { type: "formula", as: "density", expr: `datum.count / ${values.length * step}` };

@@ -204,6 +204,16 @@ class ReportTest(unittest.TestCase):
         self.assertGreater(page.count("data-charts-drawn"), 15)
         self.assertNotRegex(page.text, r"\bNaN\b|\bundefined\b|\bInfinity\b|\bnull\b")
 
+    def test_the_largest_draw_has_a_bar(self):
+        # 24 bins of (high - low) / 24 end by rounding one bit below this largest value.
+        low, high = 0.011346606661515104, 0.9891893963662334
+        self.assertLess(low + 24 * ((high - low) / 24), high)
+        document = fixture.document(draws=100, runs=20, side=3)
+        for k, draw in enumerate(document["posterior"]["draws"]):
+            draw[1] = low + (high - low) * k / 99
+        document["posterior"]["draws"][-1][1] = high
+        self.opened(document)
+
     def test_a_failing_chart_says_so(self):
         document = fixture.document(draws=20, runs=4, side=2)
         document["packing"] = {"x": [None, 3], "radius": [1], "cell": [1, 1, 1]}
