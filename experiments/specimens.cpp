@@ -48,8 +48,12 @@ std::shared_ptr<const Specimen> SpecimenPool::get(const SpecimenSettings& settin
         if (inserted) at->second = promise.get_future().share();
         mine = inserted;
         future = at->second;
-        if (inserted) order_.push_back(key);
-        if (order_.size() > most_kept) {
+        if (inserted) {
+            order_.push_back(key);
+            particles_ += key.particles;
+        }
+        while (particles_ > most_particles && order_.size() > 1) {
+            particles_ -= order_.front().particles;
             made_.erase(order_.front());
             order_.pop_front();
         }

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "experiments/quantile.hpp"
 #include "optimizers/least_squares.hpp"
 #include "optimizers/random.hpp"
 
@@ -57,11 +58,6 @@ std::vector<std::size_t> all_of(const std::vector<HeldOutScore>& scores) {
     std::vector<std::size_t> out(scores.size());
     std::iota(out.begin(), out.end(), std::size_t{0});
     return out;
-}
-
-double sorted_quantile(std::vector<double>& values, double q) {
-    std::ranges::sort(values);
-    return values[static_cast<std::size_t>(q * static_cast<double>(values.size() - 1) + 0.5)];
 }
 
 }  // namespace
@@ -131,8 +127,8 @@ GapInterval gap_interval(const std::vector<HeldOutScore>& before, const std::vec
         now[k] = gap_of(after, drawn);
         shrink[k] = shrink_of(old[k], now[k]);
     }
-    return {sorted_quantile(old, 0.05), sorted_quantile(old, 0.95),    sorted_quantile(now, 0.05),
-            sorted_quantile(now, 0.95), sorted_quantile(shrink, 0.05), sorted_quantile(shrink, 0.95)};
+    return {quantile(old, 0.05), quantile(old, 0.95),    quantile(now, 0.05),
+            quantile(now, 0.95), quantile(shrink, 0.05), quantile(shrink, 0.95)};
 }
 
 }  // namespace loam::experiments

@@ -1,6 +1,8 @@
 #include "experiments/diagnosis/model_study.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "experiments/diagnosis/thresholds.hpp"
 #include "experiments/likelihood_terms.hpp"
@@ -138,6 +140,19 @@ void settle(StudiedModel& model, std::vector<RunRecord>& runs) {
     if (moves > 1) c.fit = fit(*c.trained, model.campaign.space(), model.observation, settings);
 }
 
+/// The outputs of the fitted tests in groups of one name.
+std::vector<HeldOutGroup> grouped(const StudiedModel& model,
+                                  const std::function<std::string(const lab_data::Test&)>& name_of) {
+    std::vector<HeldOutGroup> out;
+    for (const FittedCurve& fitted : fitted_curves(model)) {
+        const std::string name = name_of(*fitted.curve.test->test);
+        auto group = std::ranges::find(out, name, &HeldOutGroup::name);
+        if (group == out.end()) group = out.insert(out.end(), {name, {}});
+        for (Index k = 0; k < fitted.observed.count; ++k) group->outputs.push_back(fitted.observed.first + k);
+    }
+    return out;
+}
+
 }  // namespace
 
 VectorXd transformed(const StudiedModel& model, const VectorXd& outputs) {
@@ -177,14 +192,11 @@ std::vector<Region> regions_of(const StudiedModel& model) {
 }
 
 std::vector<HeldOutGroup> tests_to_hold_out(const StudiedModel& model) {
-    std::vector<HeldOutGroup> out;
-    for (const FittedCurve& fitted : fitted_curves(model)) {
-        const std::string& file = fitted.curve.test->test->file;
-        if (out.empty() || out.back().name != file) out.push_back({file, {}});
-        for (Index k = 0; k < fitted.observed.count; ++k)
-            out.back().outputs.push_back(fitted.observed.first + k);
-    }
-    return out;
+    return grouped(model, [](const lab_data::Test& test) { return test.file; });
+}
+
+std::vector<HeldOutGroup> tests_by_kind(const StudiedModel& model) {
+    return grouped(model, [](const lab_data::Test& test) { return std::string(to_string(test.kind)); });
 }
 
 std::unique_ptr<StudiedModel> study_model(const Settings& settings, const lab_data::Sample& sample,

@@ -51,6 +51,9 @@ std::vector<Region> regions_of(const StudiedModel& model);
 /// The outputs of each fitted test, named by its file.
 std::vector<HeldOutGroup> tests_to_hold_out(const StudiedModel& model);
 
+/// The outputs of each kind of test that is fitted, named by the kind.
+std::vector<HeldOutGroup> tests_by_kind(const StudiedModel& model);
+
 /// Outputs of the fitted tests, on the transformed scale.
 Eigen::VectorXd transformed(const StudiedModel& model, const Eigen::VectorXd& outputs);
 

@@ -39,6 +39,15 @@ std::string text_of(const json& result, const std::string& report) {
     if (!result["shrink"].is_null())
         text += fmt::format("\nheld-out gap: {:.2f} before, {:.2f} after (in noises, beyond noise alone)\n",
                             result["gap_before"].get<double>(), result["gap_after"].get<double>());
+    for (const json& pair : result["sets"]) {
+        const auto chance = [](const json& at) {
+            return fmt::format("chi-squared {:.3g} on {} (p = {:.2g})", at["statistic"].get<double>(),
+                               at["degrees"].get<int>(), at["p_value"].get<double>());
+        };
+        text += fmt::format("sets by {} and by {} alone: {}", pair["kinds"][0].get<std::string>(),
+                            pair["kinds"][1].get<std::string>(), chance(pair["before"]));
+        text += pair["after"].is_null() ? "\n" : fmt::format("; with the effect {}\n", chance(pair["after"]));
+    }
     if (!result["next_test"].is_null())
         text += fmt::format("next: {}\n", result["next_test"].get<std::string>());
     for (const json& warning : result["warnings"])
@@ -53,8 +62,8 @@ json report_document(const SampleDiagnosis& done) {
     json document = result;
     document["verdict"] = outcome.sentence;
     document["diagnosis"] = diagnosis_document(done.diagnosis, outcome);
-    for (const char* member :
-         {"regions", "candidates", "threshold", "p_value", "next_test", "gap_before", "gap_after", "shrink"})
+    for (const char* member : {"regions", "candidates", "threshold", "p_value", "next_test", "gap_before",
+                               "gap_after", "shrink", "sets"})
         document["diagnosis"][member] = result[member];
     document["diagnosis"]["verdict"] = result["verdict"];
     document["diagnosis"]["effects"] = outcome.effects;

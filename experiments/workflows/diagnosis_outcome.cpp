@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "experiments/diagnosis/next_test.hpp"
+#include "experiments/diagnosis/parameter_sets.hpp"
 
 namespace loam::experiments {
 namespace {
@@ -145,6 +146,40 @@ json held_out_json(const std::vector<HeldOutScore>& scores) {
     return out;
 }
 
+/// A fitted set by name, SI.
+json set_json(const ParameterSpace& space, const Eigen::VectorXd& x) {
+    const Eigen::VectorXd values = space.physical(x);
+    json out = json::object();
+    for (Index k = 0; k < space.dimension(); ++k)
+        out[std::string(space.info(k).name)] =
+            values[static_cast<Index>(space.fitted[static_cast<std::size_t>(k)])];
+    return out;
+}
+
+/// The sets of each pair of kinds of test, by the base model and by what the diagnosis ends with.
+json sets_json(const Diagnosis& d, const Outcome& outcome) {
+    const auto pairs_of = [](const StudiedModel& model) {
+        return compare_groups(model.fitted, tests_by_kind(model), model.estimate);
+    };
+    const auto entry = [](const StudiedModel& model, const ComparedSets& sets) {
+        return json{{"p_value", sets.agreement.p_value},
+                    {"statistic", sets.agreement.statistic},
+                    {"degrees", sets.agreement.degrees},
+                    {"parameters",
+                     {{sets.first, set_json(model.campaign.space(), sets.of_first)},
+                      {sets.second, set_json(model.campaign.space(), sets.of_second)}}}};
+    };
+    const bool changed = outcome.model != d.base;
+    const std::vector<ComparedSets> before = pairs_of(*d.base);
+    const std::vector<ComparedSets> after = changed ? pairs_of(*outcome.model) : std::vector<ComparedSets>{};
+    json out = json::array();
+    for (std::size_t k = 0; k < before.size(); ++k)
+        out.push_back({{"kinds", {before[k].first, before[k].second}},
+                       {"before", entry(*d.base, before[k])},
+                       {"after", changed ? entry(*outcome.model, after[k]) : json(nullptr)}});
+    return out;
+}
+
 }  // namespace
 
 Outcome outcome_of(const Diagnosis& d, const lab_data::Sample& sample) {
@@ -194,6 +229,7 @@ json diagnosis_result(const Diagnosis& d, const Outcome& outcome, std::uint64_t 
         out["gap_after_90"] = {i.after_low, i.after_high};
         out["shrink_90"] = {i.shrink_low, i.shrink_high};
     }
+    out["sets"] = sets_json(d, outcome);
     out["next_test"] = outcome.next_test ? json(*outcome.next_test) : json(nullptr);
     return out;
 }

@@ -7,6 +7,19 @@
 #include "experiments/quantile.hpp"
 
 namespace loam::experiments {
+namespace {
+
+constexpr double at_a_bound = 0.01;  // of the unit cube
+
+/// Whether an interval of the unit cube belongs to its estimate. Where it does not, it tells of the
+/// emulator's ignorance and not of the parameter; but at a bound of the prior the most probable value lies at
+/// the end.
+bool holds(double low, double estimate, double high) {
+    const bool bound = estimate < at_a_bound || estimate > 1 - at_a_bound;
+    return bound || (low <= estimate && estimate <= high);
+}
+
+}  // namespace
 
 Eigen::MatrixXd quantiles_of(const Eigen::MatrixXd& draws) {
     Eigen::MatrixXd out(draws.cols(), 3);
@@ -45,7 +58,7 @@ std::vector<ParameterSummary> summarise(const ParameterSpace& space, const Eigen
             s.prior_q95 = prior.from_unit(prior_high);
             s.logarithmic = space.is_logarithmic(k);
             s.fixed = false;
-            s.identified = is_identified(high - low, prior_high - prior_low);
+            s.identified = is_identified(high - low, prior_high - prior_low) && holds(low, estimate[k], high);
         }
         out.push_back(std::move(s));
     }

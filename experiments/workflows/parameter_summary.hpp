@@ -16,8 +16,8 @@ struct ParameterSummary {
     bool logarithmic = false, identified = false, fixed = false;
 };
 
-/// All parameters of the law, in its order; those that are fixed have their value everywhere and count as
-/// identified.
+/// All parameters of the law, in its order. One is identified if its interval is clearly narrower than the
+/// prior's and holds the estimate; those that are fixed have their value everywhere and count as identified.
 std::vector<ParameterSummary> summarise(const Campaign& campaign, const Fit& fit);
 
 /// The same from an estimate [d] and the 5, 50 and 95 % quantiles [d x 3] of the posterior, in the unit cube.

@@ -99,6 +99,32 @@ function heldOut(before, after) {
   );
 }
 
+// What each kind of test asks for, fitted alone: one row for each parameter of each pair of kinds.
+function sets(pairs) {
+  const rows = [];
+  for (const pair of pairs) {
+    const [first, second] = pair.kinds;
+    const after = pair.after?.parameters;
+    const names = Object.keys((after ?? pair.before.parameters)[first]);
+    const verdict = (at) => (at ? `p = ${number(at.p_value, 2)} (χ² ${number(at.statistic, 3)} on ${at.degrees})` : "–");
+    rows.push({ head: `${words(first)} and ${words(second)}`, before: verdict(pair.before), after: verdict(pair.after) });
+    for (const name of names) {
+      const both = (of) =>
+        of?.[first][name] === undefined ? "–" : `${number(of[first][name], 3)} and ${number(of[second][name], 3)}`;
+      rows.push({ head: `· ${words(name)} (SI)`, before: both(pair.before.parameters), after: both(after) });
+    }
+  }
+  return table(
+    [
+      { head: "Sets by each kind of test alone", cell: (row) => row.head },
+      { head: "Base model", number: true, cell: (row) => row.before },
+      { head: "With the effect", number: true, cell: (row) => row.after },
+    ],
+    rows,
+    "sets",
+  );
+}
+
 function extendedTests(parent, tests) {
   const grid = el("div", "grid wide");
   parent.append(el("h3", "", "The model with the effect"), grid);
@@ -129,6 +155,10 @@ function render(parent, data) {
   if (list(d.held_out_before).length > 0) {
     parent.append(el("h3", "", "Curves left out"), heldOut(list(d.held_out_before), d.held_out_after));
     say("Root of the mean square error of the prediction over the noise; 1: noise alone.");
+  }
+  if (list(d.sets).length > 0) {
+    parent.append(el("h3", "", "Do the kinds of test ask for the same parameters?"), sets(list(d.sets)));
+    say("A small p says no: what the model lacks is then taken out of its parameters, by each kind of test in its own way.");
   }
   if (list(d.tests_after).length > 0) extendedTests(parent, list(d.tests_after));
 }

@@ -31,12 +31,11 @@ function standing(p) {
   const share = widthShare(p);
   const width = finite(share) ? `interval is ${percent(share)} of the prior’s${p.log ? ", in logarithms" : ""}` : "";
   if (p.identified) return el("div", "", el("span", "mark yes", "identified"), el("div", "note", width));
-  return el(
-    "div",
-    "",
-    el("span", "mark no", "not identified"),
-    el("div", "note", `posterior no narrower than prior${width ? `: ${width}` : ""}`),
-  );
+  const outside = finite(p.estimate) && (p.estimate < p.q05 || p.estimate > p.q95);
+  const why = outside
+    ? "the emulator, for want of runs, gives an interval that does not hold the estimate"
+    : `posterior no narrower than prior${width ? `: ${width}` : ""}`;
+  return el("div", "", el("span", "mark no", "not identified"), el("div", "note", why));
 }
 
 function nameCell(p) {

@@ -112,6 +112,7 @@ class Diagnose(unittest.TestCase):
         self.assertEqual((result["verdict"], result["effects"]), ("named", ["seating"]), result["text"])
         self.assertEqual(result["extended_model"]["effects"], ["seating"])
         self.assertLess(result["gap_after"], 0.5 * result["gap_before"])
+        self.assertEqual(result["sets"], [])  # of one kind of test
         low = max((r for r in result["regions"] if r["region"] == "low stress"), key=lambda r: abs(r["z"]))
         self.assertEqual(low["sign"], 1, low)
         strength = result["parameters"]["bedding_strain"]
