@@ -65,7 +65,7 @@ void read_soil(const TomlTable& root, const fs::path& path, Sample& sample, Faul
         read_properties(*properties, file, sample, faults);
     const std::string grading = soil.text("grading");
     if (soil.has("grading") && soil.node("grading")->is_string() &&
-        is_inside_folder(grading, soil.at("grading"), faults))
+        is_in_folder(sample.folder, grading, soil.at("grading"), faults))
         sample.grading = read_grading(sample.folder / grading, faults);
 }
 
@@ -134,7 +134,8 @@ Test gather_test(const TomlTable& table, const fs::path& path, std::set<fs::path
         report_unknown_keys(table, test, path.string(), faults);
         read_settings(table, path.string(), test, faults);
     }
-    if (test.file.empty() || !is_inside_folder(test.file, table.at("file"), faults)) return test;
+    if (test.file.empty() || !is_in_folder(path.parent_path(), test.file, table.at("file"), faults))
+        return test;
     if (!files.insert(fs::path(test.file).lexically_normal()).second) {
         Fault fault = table.at("file");
         fault.constraint = "is the file of two tests";

@@ -70,7 +70,7 @@ std::string missing_file_remedy(const fs::path& path) {
     const std::vector<std::string_view> views(names.begin(), names.end());
     if (const auto nearest = nearest_name(whole.filename().string(), views))
         return "did you mean '" + *nearest + "'?";
-    return "put it there or correct the name";
+    return "put it into its folder or correct the name";
 }
 
 bool is_inside_folder(const std::string& file, const Fault& where, Faults& faults) {
@@ -92,6 +92,18 @@ bool is_inside_folder(const std::string& file, const Fault& where, Faults& fault
     } else {
         return true;
     }
+    faults.error(fault);
+    return false;
+}
+
+bool is_in_folder(const fs::path& folder, const std::string& file, const Fault& where, Faults& faults) {
+    if (!is_inside_folder(file, where, faults)) return false;
+    std::error_code error;
+    if (fs::status(folder / file, error).type() != fs::file_type::not_found) return true;
+    Fault fault = where;
+    fault.value = file;
+    fault.constraint = "does not exist";
+    fault.remedy = missing_file_remedy(folder / file);
     faults.error(fault);
     return false;
 }

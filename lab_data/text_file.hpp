@@ -16,6 +16,9 @@ std::string missing_file_remedy(const std::filesystem::path& path);
 /// Whether `file`, a name written in a file that `where` points at, stays inside its folder: relative,
 /// without "..", without control characters. Reports a fault and gives false if not.
 bool is_inside_folder(const std::string& file, const Fault& where, Faults& faults);
+/// Whether it is there, moreover.
+bool is_in_folder(const std::filesystem::path& folder, const std::string& file, const Fault& where,
+                  Faults& faults);
 
 /// The file's text in UTF-8, without byte order mark. Reports a fault and gives nothing if it does not exist,
 /// is no regular file, cannot be read, is larger than `largest` bytes, or is no UTF-8 text (with the line).

@@ -55,7 +55,7 @@ TEST(Check, CollectsAllFaultsInOneGo) {
     EXPECT_EQ(places, (std::vector<std::string>{"sample.toml:0:licence", "sample.toml:3:license",
                                                 "sample.toml:14:initial_void_ratio",
                                                 "oedometer.csv:3:axial_strain", "oedometer.csv:6:phase",
-                                                "triaxial.csv:0:", "shear.csv:1:settlement"}));
+                                                "sample.toml:17:file", "shear.csv:1:settlement"}));
 }
 
 TEST(Check, CountsWhatRepeatsItself) {

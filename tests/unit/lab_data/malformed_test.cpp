@@ -152,8 +152,10 @@ std::vector<Case> toml_cases() {
 
 std::vector<Case> table_cases() {
     return {
-        {"missing_file", [](Files& f) { f["oedometr.csv"] = f.extract(oedometer).mapped(); }, oedometer, 0,
-         "", "does not exist", "did you mean 'oedometr.csv'?"},
+        {"missing_file", [](Files& f) { f["oedometr.csv"] = f.extract(oedometer).mapped(); }, toml, 13,
+         "file", "'oedometer.csv' does not exist", "did you mean 'oedometr.csv'?"},
+        {"missing_grading", [](Files& f) { f["grading.cvs"] = f.extract(grading).mapped(); }, toml, 7,
+         "grading", "'grading.csv' does not exist", "did you mean 'grading.cvs'?"},
         {"folder_for_file",
          [](Files& f) {
              f["oedometer.csv/inside"] = "";
