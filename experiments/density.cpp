@@ -83,6 +83,30 @@ LimitVoidRatios limits_of_soil(const lab_data::Sample& sample) {
     return limits;
 }
 
+double strain_before_shearing(const lab_data::Sample& sample, const lab_data::Test& test) {
+    constexpr double alike = 0.15, largest = 0.05;
+    if (test.kind != lab_data::TestKind::direct_shear || !test.initial_void_ratio) return 0;
+    const auto apart = [&](const lab_data::Test& other) {
+        return std::abs(other.initial_void_ratio.value_or(INFINITY) - *test.initial_void_ratio);
+    };
+    const lab_data::Test* nearest = nullptr;
+    for (const lab_data::Test& other : sample.tests)
+        if (other.kind == lab_data::TestKind::oedometer && other.columns.contains("axial_strain") &&
+            other.size() > 0 && apart(other) <= alike && (!nearest || apart(other) < apart(*nearest)))
+            nearest = &other;
+    if (!nearest) return 0;
+    const std::vector<double>&stress = nearest->column("axial_stress"),
+          &strain = nearest->column("axial_strain");
+    double below = lab_data::seating_stress(*nearest), before = 0;
+    for (std::size_t k = 0; k < nearest->size() && below < test.normal_stress; ++k) {
+        if (stress[k] <= below) continue;
+        const double share = std::min(1.0, (test.normal_stress - below) / (stress[k] - below));
+        before = std::lerp(before, strain[k], share);
+        below = stress[k];
+    }
+    return before > 0 && before <= largest ? before : 0;
+}
+
 double target_porosity(const Settings& settings, const lab_data::Sample& sample, const lab_data::Test& test) {
     if (settings.specimen.porosity) return *settings.specimen.porosity;
     if (!test.initial_void_ratio) return engine::PackingOptions{}.target_porosity;
@@ -93,6 +117,7 @@ double target_porosity(const Settings& settings, const lab_data::Sample& sample,
         const double looseness = (void_ratio - soil.least) / (soil.greatest - soil.least);
         void_ratio = std::lerp(spheres.least, spheres.greatest, looseness);
     }
+    void_ratio = (1 + void_ratio) / (1 - strain_before_shearing(sample, test)) - 1;
     return void_ratio / (1 + void_ratio);
 }
 

@@ -35,9 +35,16 @@ double median_grain_size(const lab_data::Sample& sample);
 /// they can be, the narrower the grading: at +- 20 % instead of 30 % an oedometer gives a tenth less strain.
 std::optional<double> spread_of_grading(const lab_data::Sample& sample);
 
+/// Axial strain of a direct shear test's specimen under its normal stress, before it is sheared, as the
+/// sample's own oedometer test tells: of the loading whose initial void ratio is nearest, linear between its
+/// readings and constant beyond. 0 for other tests, and where no oedometer test has a void ratio within 0.15
+/// or the strain is above 0.05, a collapse that a denser box does not share.
+double strain_before_shearing(const lab_data::Sample& sample, const lab_data::Test& test);
+
 /// Porosity at which the test's specimen is made: the setting's; else, from the measured initial void ratio,
 /// the same or that of the same relative density (settings.specimen.match); else the 0.47 of De Pue et al.
-/// (2019). Throws UserError as limits_of_soil.
+/// (2019). A direct shear test's void ratio, like its box's height, is that at the start of shearing: the
+/// specimen is made looser by strain_before_shearing. Throws UserError as limits_of_soil.
 double target_porosity(const Settings& settings, const lab_data::Sample& sample, const lab_data::Test& test);
 
 }  // namespace loam::experiments

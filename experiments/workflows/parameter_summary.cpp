@@ -72,7 +72,7 @@ std::vector<std::string> density_warnings(Campaign& campaign, const std::vector<
     for (const CampaignTest& test : campaign.tests()) {
         const auto made = campaign.specimen(test, runs.front().spec);
         if (made->reached) continue;
-        out.push_back(fmt::format("{}: the specimen's void ratio is {:.3f}, not the {:.3f} measured: {}",
+        out.push_back(fmt::format("{}: the specimen's void ratio is {:.3f}, not the {:.3f} wanted: {}",
                                   test.test->file, void_ratio(made->porosity), void_ratio(test.porosity),
                                   made->stopped_by));
     }

@@ -31,6 +31,43 @@ TEST(Density, IsTheMeasuredVoidRatioUnlessSaidOtherwise) {
     EXPECT_DOUBLE_EQ(target_porosity(settings, soil(0.5, 0.9), test_at(0.6)), 0.4);
 }
 
+/// Loaded to 50, 100 and 200 kPa from 2 kPa and unloaded again.
+lab_data::Test oedometer_at(double void_ratio, double strain_at_200_kPa) {
+    lab_data::Test test = test_at(void_ratio);
+    test.seating_stress = 2e3;
+    test.columns["axial_stress"] = {50e3, 100e3, 200e3, 100e3};
+    test.columns["axial_strain"] = {0.3 * strain_at_200_kPa, 0.6 * strain_at_200_kPa, strain_at_200_kPa,
+                                    0.9 * strain_at_200_kPa};
+    test.lines = {2, 3, 4, 5};
+    return test;
+}
+
+lab_data::Test shear_at(double void_ratio, double normal_stress) {
+    lab_data::Test test = test_at(void_ratio);
+    test.kind = lab_data::TestKind::direct_shear;
+    test.normal_stress = normal_stress;
+    return test;
+}
+
+TEST(Density, OfADirectShearTestIsThatAtTheStartOfShearing) {
+    lab_data::Sample sample = soil(0.5, 0.9);
+    const auto strain = [&](double e, double stress) {
+        return strain_before_shearing(sample, shear_at(e, stress));
+    };
+    EXPECT_EQ(strain(0.7, 100e3), 0);  // no oedometer test tells
+    sample.tests = {oedometer_at(0.9, 0.04), oedometer_at(0.65, 0.01)};
+    EXPECT_NEAR(strain(0.7, 26e3), 0.0015, 1e-12);
+    EXPECT_NEAR(strain(0.7, 150e3), 0.008, 1e-12);
+    EXPECT_NEAR(strain(0.7, 400e3), 0.01, 1e-12);
+    EXPECT_NEAR(strain(0.85, 200e3), 0.04, 1e-12);
+    EXPECT_EQ(strain(0.3, 200e3), 0);
+    EXPECT_EQ(strain_before_shearing(sample, test_at(0.7)), 0);
+    sample.tests[0] = oedometer_at(0.9, 0.06);
+    EXPECT_EQ(strain(0.85, 200e3), 0);  // collapses
+    const double n = target_porosity({}, sample, shear_at(0.7, 200e3));
+    EXPECT_NEAR((1 + 0.7) / (1 + n / (1 - n)), 1 - 0.01, 1e-12);  // height after over height before
+}
+
 TEST(Density, RelativeDensityGoesFromLimitToLimit) {
     Settings settings;
     settings.specimen.match = "relative_density";
