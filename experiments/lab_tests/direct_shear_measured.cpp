@@ -93,24 +93,10 @@ VirtualTestResult run_measured_direct_shear(const Specimen& specimen, const engi
     const DirectShearResult run = run_direct_shear(specimen.packing, specimen.box.value(), law,
                                                    simulation_options(settings, grain_density, true),
                                                    direct_shear_options(settings, test), cancelled);
-    VirtualTestResult result;
-    result.ok = run.complete;
-    result.reason = run.reason;
-    const auto n = static_cast<Eigen::Index>(run.readings.size());
-    if (run.complete) result.outputs.resize(2 * n);
-    for (Eigen::Index k = 0; run.complete && k < n; ++k) {
-        const DirectShearReading& reading = run.readings[static_cast<std::size_t>(k)];
-        result.outputs[k] = reading.shear_stress;
-        result.outputs[n + k] = reading.settlement * test.box_height;
-    }
-    result.inertial_number = run.largest_inertial_number;
-    result.unbalanced_ratio = run.mean_unbalanced_ratio;
-    result.servo_error = std::max(run.loading_error, run.mean_normal_error);
-    result.overlap = run.largest_overlap;
-    result.energy_error = run.energy_error;
-    result.steps = static_cast<double>(run.steps);
-    result.seated_porosity = run.loaded_porosity;
-    return result;
+    return result_of(
+        run, std::max(run.loading_error, run.mean_normal_error), run.loaded_porosity,
+        [](const DirectShearReading& at) { return at.shear_stress; },
+        [&test](const DirectShearReading& at) { return at.settlement * test.box_height; });
 }
 
 PictureOfTest picture_of_direct_shear(const Specimen& specimen, const engine::ContactLaw& law,

@@ -58,23 +58,10 @@ VirtualTestResult run_measured_triaxial(const Specimen& specimen, const engine::
     TriaxialOptions options = triaxial_options(settings, test);
     enclose(simulation, specimen, options);
     const TriaxialResult run = run_triaxial(simulation, law, options, cancelled);
-    VirtualTestResult result;
-    result.ok = run.complete;
-    result.reason = run.reason;
-    const auto n = static_cast<Eigen::Index>(run.readings.size());
-    if (run.complete) result.outputs.resize(2 * n);
-    for (Eigen::Index k = 0; run.complete && k < n; ++k) {
-        result.outputs[k] = run.readings[static_cast<std::size_t>(k)].deviatoric_stress;
-        result.outputs[n + k] = run.readings[static_cast<std::size_t>(k)].volumetric_strain;
-    }
-    result.inertial_number = run.largest_inertial_number;
-    result.unbalanced_ratio = run.mean_unbalanced_ratio;
-    result.servo_error = std::max(run.consolidation_error, run.mean_lateral_error);
-    result.overlap = run.largest_overlap;
-    result.energy_error = run.energy_error;
-    result.steps = static_cast<double>(run.steps);
-    result.seated_porosity = run.consolidated_porosity;
-    return result;
+    return result_of(
+        run, std::max(run.consolidation_error, run.mean_lateral_error), run.consolidated_porosity,
+        [](const TriaxialReading& at) { return at.deviatoric_stress; },
+        [](const TriaxialReading& at) { return at.volumetric_strain; });
 }
 
 PictureOfTest picture_of_triaxial(const Specimen& specimen, const engine::ContactLaw& law,
