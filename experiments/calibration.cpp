@@ -192,7 +192,7 @@ void warn_of_search(const Campaign& campaign, Calibration& c) {
             "are needed",
             campaign.space().info(k).name));
     for (Index k = 0; k < campaign.space().dimension(); ++k)
-        if (c.fit.estimate[k] < 0.01 || c.fit.estimate[k] > 0.99)
+        if (is_at_a_bound(c.fit.estimate[k]))
             c.warnings.push_back(fmt::format("{} lies at the bound of its prior; wider bounds may fit better",
                                              campaign.space().info(k).name));
 }

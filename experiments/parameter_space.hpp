@@ -13,6 +13,12 @@
 
 namespace loam::experiments {
 
+/// Whether a coordinate of the unit cube lies at one of its bounds, for all that a fit can tell.
+inline bool is_at_a_bound(double unit) {
+    constexpr double near = 0.01;
+    return unit < near || unit > 1 - near;
+}
+
 struct ParameterSpace {
     std::vector<engine::ParameterInfo> parameters;  // of the law, then of the effects
     std::vector<std::size_t> fitted;                // [d] places in parameters

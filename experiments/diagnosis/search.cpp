@@ -18,7 +18,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr std::uint64_t locate_stream = 21;
-constexpr double at_a_bound = 0.01;  // of the unit cube
 constexpr double one_sided_95 = 1.6449;
 
 /// Degrees of freedom behind the covariance of measured minus simulated. Half of the runs tell of the
@@ -54,11 +53,9 @@ VectorXd parameter_sd(const LinearModel& linear) {
 bool is_physical(const StudiedModel& base, const StudiedModel& model) {
     for (Index k = 0; k < model.estimate.size(); ++k) {
         const double x = model.estimate[k];
-        const bool out = x < at_a_bound || x > 1 - at_a_bound;
         const bool is_new = k >= base.estimate.size();
-        if (!out) continue;
-        if (is_new ? x > 0.5 : base.estimate[k] > at_a_bound && base.estimate[k] < 1 - at_a_bound)
-            return false;
+        if (!is_at_a_bound(x)) continue;
+        if (is_new ? x > 0.5 : !is_at_a_bound(base.estimate[k])) return false;
     }
     return true;
 }

@@ -9,14 +9,11 @@
 namespace loam::experiments {
 namespace {
 
-constexpr double at_a_bound = 0.01;  // of the unit cube
-
 /// Whether an interval of the unit cube belongs to its estimate. Where it does not, it tells of the
 /// emulator's ignorance and not of the parameter; but at a bound of the prior the most probable value lies at
 /// the end.
 bool holds(double low, double estimate, double high) {
-    const bool bound = estimate < at_a_bound || estimate > 1 - at_a_bound;
-    return bound || (low <= estimate && estimate <= high);
+    return is_at_a_bound(estimate) || (low <= estimate && estimate <= high);
 }
 
 }  // namespace
