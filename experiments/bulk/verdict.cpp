@@ -13,16 +13,15 @@ using Eigen::VectorXd;
 
 constexpr double swelling = 5e-4;       // m/m: more than a reading's noise
 constexpr double early_share = 0.6;     // of the strain, at the first of several stages
-constexpr double at_bound = 0.01;       // of the prior's range
 constexpr double scatter_share = 0.5;   // of the error, that the packings' scatter explains
 constexpr double emulator_share = 0.5;  // of the error, from which on it is the emulator's
 constexpr double beyond_strain = 0.35;  // where De Pue et al. (2019) leave a run out
 
 std::string bound_met(const FittedSample& fit, const ParameterSpace& space) {
     for (Index k = 0; k < space.dimension(); ++k)
-        if (fit.estimate[k] < at_bound || fit.estimate[k] > 1 - at_bound)
+        if (is_at_a_bound(fit.estimate[k]))
             return fmt::format("{} lies at the {} bound of its prior", space.info(k).name,
-                               fit.estimate[k] < at_bound ? "lower" : "upper");
+                               fit.estimate[k] < 0.5 ? "lower" : "upper");
     return {};
 }
 

@@ -22,6 +22,7 @@ constexpr int leader_rounds = 1;  // of added runs in an effect's own ensemble
 // scatter by some three in the mean, and what is shorter says little of the direction.
 constexpr int most_strengths = 3;
 constexpr double long_enough = 6, nearly = 0.7;
+constexpr double weaker = 0.2;  // what is tried of a strength with which too many runs failed
 // What an effect explains, the base's parameters have stood in for: they may shift by so much of their scale.
 // A modulus with bounds of 1 MPa and 10 GPa by a factor of four.
 constexpr double shift_by_effect = 0.15;
@@ -105,14 +106,19 @@ Probe probe_effect(const StudiedModel& base, const ModelEffect& effect, const la
     }
     const Projection projection(base.linear);
     double next = out.print.strength;
+    bool has_change = false;
     for (std::uint64_t trial = 0; trial < most_strengths; ++trial) {
         EffectChange change;
         try {
             change = change_with(base, effect, campaign, next, trial);
-        } catch (const TooFewRuns&) {
-            if (trial == 0) throw;
-            break;  // so much of it cannot be simulated
+        } catch (const TooFewRuns&) {  // so much of it cannot be simulated
+            if (has_change) break;
+            if (trial + 1 == most_strengths || effect.parameters.empty()) throw;
+            most = next / 2;
+            next *= weaker;
+            continue;
         }
+        has_change = true;
         out.print.strength = next;
         out.print.change = change.mean();
         out.runs += change.runs;

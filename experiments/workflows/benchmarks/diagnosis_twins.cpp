@@ -176,15 +176,21 @@ std::vector<std::vector<TwinFactory::Strength>> TwinFactory::find_strengths(int 
         // About proportional to the strength, but that some effects level off and others begin late.
         double next = prior.from_unit(prior.quantile_unit(0.5));
         if (!(next > 0)) next = prior.from_unit(prior.quantile_unit(0.84));
-        const double most = 0.95 * prior.upper;
+        double most = 0.95 * prior.upper;
         std::uint64_t trial = 0;
         std::vector<Strength> found;
         for (const double wanted : std::views::reverse(levels)) {
             Strength best;
             for (int k = 0; k < most_trials; ++k) {
                 next = std::clamp(next, 1e-3 * most, most);
-                const double now = std::max(
-                    0.1, length_of(projection, change_with(*base, *effect, campaign, next, ++trial)));
+                double now = 0;
+                try {
+                    const EffectChange change = change_with(*base, *effect, campaign, next, ++trial);
+                    now = std::max(0.1, length_of(projection, change));
+                } catch (const TooFewRuns&) {  // so much of it cannot be simulated
+                    most = next *= 0.6;
+                    continue;
+                }
                 if (best.value == 0 ||
                     std::abs(std::log(now / wanted)) < std::abs(std::log(best.reached / wanted)))
                     best = {next, now};

@@ -29,7 +29,15 @@ file = "{}.csv"
 initial_void_ratio = {}
 seating_stress_kPa = 2
 """
+TRIAXIAL = """
+[[test]]
+kind = "triaxial"
+file = "triaxial.csv"
+cell_pressure_kPa = 50
+initial_void_ratio = 0.75
+"""
 STRESSES = [10, 20, 40, 80, 160, 320, 80, 20]
+STRAINS = [0.002, 0.005, 0.01, 0.015, 0.02, 0.03]  # of the triaxial test
 VOID_RATIOS = {"loose": 0.85, "middle": 0.80, "dense": 0.75}
 
 # Soft, few particles, one parameter: some hundredths of a second a simulation.
@@ -76,13 +84,26 @@ def write_sample(folder, strains, noise=None):
         (folder / f"{name}.csv").write_text("\n".join(rows) + "\n", encoding="utf-8")
 
 
+def add_triaxial(folder, stress, volume, noise=None):
+    """A triaxial test (kPa and strains) beside the oedometers of the sample."""
+    with (folder / "sample.toml").open("a", encoding="utf-8") as file:
+        file.write(TRIAXIAL)
+    rows = ["axial_strain,deviatoric_stress_kPa,volumetric_strain"]
+    for strain, *both in zip(STRAINS, stress, volume):
+        rows.append(",".join([str(strain)] + [f"{v * (1 + 0.01 * noise.gauss(0, 1) if noise else 1):.7f}" for v in both]))
+    (folder / "triaxial.csv").write_text("\n".join(rows) + "\n", encoding="utf-8")
+
+
 class Diagnose(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.folder = pathlib.Path(tempfile.mkdtemp(prefix="loam diagnose "))
         cls.addClassCleanup(shutil.rmtree, cls.folder)
         (cls.folder / "settings.toml").write_text(SETTINGS, encoding="utf-8")
-        write_sample(cls.folder / "plan", {name: [1e-3 * (k + 1) for k in range(8)] for name in VOID_RATIOS})
+        guess = [1e-3 * (k + 1) for k in range(8)]
+        write_sample(cls.folder / "plan", {name: guess for name in VOID_RATIOS})
+        write_sample(cls.folder / "plan-of-two-kinds", {"dense": guess})
+        add_triaxial(cls.folder / "plan-of-two-kinds", [20, 40, 60, 70, 75, 80], [1e-3] * len(STRAINS))
 
     def run_it(self, verb, sample, out, *words):
         process = subprocess.run([PROGRAM, verb, self.folder / sample, "--config", self.folder / "settings.toml", "--out",
@@ -90,13 +111,17 @@ class Diagnose(unittest.TestCase):
                                  capture_output=True, text=True, timeout=280, check=False)
         return process
 
-    def twin(self, name, *words):
+    def twin(self, name, *words, plan="plan"):
         """A soil of other packings and more particles, with the effect that the words say; 1 % of noise."""
-        process = self.run_it("simulate", "plan", f"made-{name}", "--seed", 91, "--particles", 400,
+        process = self.run_it("simulate", plan, f"made-{name}", "--seed", 91, "--particles", 400,
                               "--set", "young_modulus=2.2e7", *words)
         self.assertEqual(process.returncode, 0, process.stderr)
-        curves = {pathlib.Path(c["file"]).stem: c["simulated"] for c in json.loads(process.stdout)["curves"]}
-        write_sample(self.folder / name, curves, random.Random(4))
+        curves = {(pathlib.Path(c["file"]).stem, c["channel"]): c["simulated"] for c in json.loads(process.stdout)["curves"]}
+        noise = random.Random(4)
+        write_sample(self.folder / name, {file: c for (file, channel), c in curves.items() if channel == "axial_strain"}, noise)
+        if ("triaxial", "deviatoric_stress") in curves:
+            add_triaxial(self.folder / name, [q / 1e3 for q in curves["triaxial", "deviatoric_stress"]],
+                         curves["triaxial", "volumetric_strain"], noise)
 
     def diagnose(self, name, out, *words):
         process = self.run_it("diagnose", name, out, *words)
@@ -125,6 +150,18 @@ class Diagnose(unittest.TestCase):
         log = (self.folder / "out-bedded" / "log.txt").read_text(encoding="utf-8")
         self.assertIn("25 runs, 25 of them made before", log)
         self.assertIn("15 runs, 15 of them made before", log)
+
+    def test_sets_of_two_kinds_of_test_are_compared_before_and_after(self):
+        # A bedding error is the larger share of the triaxial test's smaller strains, which thus ask for a softer soil.
+        self.twin("parted", "--effects", "seating", "--set", "bedding_strain=0.015", plan="plan-of-two-kinds")
+        result = self.diagnose("parted", "out-parted")
+        pair, = result["sets"]
+        self.assertEqual(sorted(pair["kinds"]), ["oedometer", "triaxial"])
+        self.assertLess(pair["before"]["p_value"], 0.001)
+        modulus = {kind: pair["before"]["parameters"][kind]["young_modulus"] for kind in pair["kinds"]}
+        self.assertLess(modulus["triaxial"], 0.8 * modulus["oedometer"])
+        self.assertEqual((result["verdict"], result["effects"]), ("named", ["seating"]), result["text"])
+        self.assertGreater(pair["after"]["p_value"], 0.01)
 
     def test_no_effect_is_none_and_says_what_would_have_shown(self):
         self.twin("plain")
