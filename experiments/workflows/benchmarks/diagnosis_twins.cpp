@@ -112,6 +112,30 @@ bool is_near(const TwinTruth& twin) {
     return twin.reached * near_enough >= twin.wanted && twin.reached <= near_enough * twin.wanted;
 }
 
+/// The values in an order of chance.
+template <class T>
+std::vector<T> shuffled(const std::vector<T>& values, std::uint64_t seed, std::uint64_t stream) {
+    std::vector<std::pair<std::uint64_t, std::size_t>> places;
+    for (std::size_t k = 0; k < values.size(); ++k) places.emplace_back(run_seed(seed, k, stream), k);
+    std::ranges::sort(places);
+    std::vector<T> out;
+    for (const auto& [key, k] : places) out.push_back(values[k]);
+    return out;
+}
+
+/// Twins with two effects of one soil each, in an order of chance.
+std::vector<TwinTruth> pairs_of(const std::vector<TwinTruth>& single, std::uint64_t seed) {
+    std::vector<TwinTruth> out;
+    for (std::size_t a = 0; a < single.size(); ++a)
+        for (std::size_t b = a + 1; b < single.size(); ++b) {
+            if (single[a].soil != single[b].soil) continue;
+            out.push_back(single[a]);
+            out.back().effects.push_back(single[b].effects.front());
+            out.back().strengths.push_back(single[b].strengths.front());
+        }
+    return shuffled(out, seed, pairing);
+}
+
 }  // namespace
 
 nlohmann::json to_json(const TwinTruth& t) {
@@ -207,50 +231,36 @@ std::vector<std::vector<TwinFactory::Strength>> TwinFactory::find_strengths(int 
 
 std::vector<TwinTruth> TwinFactory::plan() {
     std::vector<TwinTruth> out;
-    const auto add = [&](TwinTruth twin) {
-        if (is_near(twin)) out.push_back(std::move(twin));
-    };
     std::vector<std::vector<std::vector<Strength>>> strengths;
     for (int soil = 0; soil < soils_with_effects; ++soil) strengths.push_back(find_strengths(soil));
-    const auto hidden = [&](std::size_t effect, std::size_t soil, std::size_t level) {
-        const Strength& s = strengths[soil][effect][level];
-        return TwinTruth{{},        static_cast<int>(soil), {std::string(effects_[effect]->name)},
-                         {s.value}, levels[level],          s.reached,
-                         false};
-    };
+    std::vector<TwinTruth> strong_ones;
     for (std::size_t effect = 0; effect < effects_.size(); ++effect)
         for (std::size_t soil = 0; soil < soils_with_effects; ++soil)
-            for (std::size_t level = 0; level < levels.size(); ++level) add(hidden(effect, soil, level));
+            for (std::size_t level = 0; level < levels.size(); ++level) {
+                const Strength& s = strengths[soil][effect][level];
+                const TwinTruth twin{{},        static_cast<int>(soil), {std::string(effects_[effect]->name)},
+                                     {s.value}, levels[level],          s.reached,
+                                     false};
+                if (!is_near(twin)) continue;
+                out.push_back(twin);
+                if (levels[level] == strong) strong_ones.push_back(twin);
+            }
     for (int k = 0; k < soils_without; ++k) {
         TwinTruth plain;
         plain.soil = soils_with_effects + k;
         out.push_back(plain);
     }
-    for (std::size_t k = 0; k < withheld_twins; ++k) {
-        TwinTruth twin = hidden(k % effects_.size(), k % soils_with_effects, 2);
+    for (std::size_t k = 0; k < withheld_twins && !strong_ones.empty(); ++k) {
+        TwinTruth twin = strong_ones[k % strong_ones.size()];  // again in other packings, where there are few
         twin.withheld = true;
-        add(twin);
+        out.push_back(twin);
     }
-    for (std::uint64_t k = 0; k < pairs; ++k) {
-        const std::uint64_t draw = run_seed(model_.seed, k, pairing);
-        const std::size_t first = draw % effects_.size();
-        const std::size_t second = (first + 1 + (draw >> 32) % (effects_.size() - 1)) % effects_.size();
-        TwinTruth twin = hidden(first, k % soils_with_effects, 2);
-        const TwinTruth other = hidden(second, k % soils_with_effects, 2);
-        if (!is_near(other)) continue;
-        twin.effects.push_back(other.effects.front());
-        twin.strengths.push_back(other.strengths.front());
-        add(twin);
-    }
-    std::vector<std::pair<std::uint64_t, std::size_t>> places;
-    for (std::size_t k = 0; k < out.size(); ++k) places.emplace_back(run_seed(model_.seed, k, order), k);
-    std::ranges::sort(places);
-    std::vector<TwinTruth> mixed;
-    for (const auto& [key, k] : places) {
-        mixed.push_back(out[k]);
-        mixed.back().name = fmt::format("twin-{:03}", mixed.size());
-    }
-    return mixed;
+    std::vector<TwinTruth> both = pairs_of(strong_ones, model_.seed);
+    both.resize(std::min<std::size_t>(both.size(), pairs));
+    out.insert(out.end(), both.begin(), both.end());
+    out = shuffled(out, model_.seed, order);
+    for (std::size_t k = 0; k < out.size(); ++k) out[k].name = fmt::format("twin-{:03}", k + 1);
+    return out;
 }
 
 std::vector<RunRecord> TwinFactory::simulate(const TwinTruth& like, const std::vector<TwinTruth>& twins,
