@@ -120,13 +120,13 @@ double wave_modulus_of(const HertzMindlin& law, double overlap, bool turns) {
     return stiffened(modulus * std::sqrt(overlap), share, turns);
 }
 
-/// A wall is rigid and does not stick: all of the overlap is the sphere's, half of what two equal spheres
-/// share. The laws see a partner of radius zero and a reduced radius R. That makes a spring of the reduced
-/// radius twice as stiff as between equal spheres, and a Hertzian contact one with a plane; a spring of the
-/// sum of radii has to be told.
+/// A wall does not stick and, like a Hertzian contact with a plane, is of the grains' material: its springs
+/// are those between equal spheres. The laws see a partner of radius zero and a reduced radius R, and with
+/// them a spring of the reduced radius would be twice as stiff, one of the sum of radii half.
 LawNumbers numbers_at_wall(const ContactLaw& law, LawNumbers n) {
     n.normal_cohesion = n.shear_cohesion = n.bridge_force = n.bridge_reach = 0;
-    if (std::holds_alternative<LinearDamped>(law.base)) n.normal_modulus *= 4;
+    if (std::holds_alternative<LinearCohesive>(law.base)) n.normal_modulus /= 2;
+    if (std::holds_alternative<LinearDamped>(law.base)) n.normal_modulus *= 2;
     return n;
 }
 

@@ -1,8 +1,7 @@
 // One sphere and a wall under each law that test_walls.cpp leaves out, against the closed forms of
-// test_further_laws.cpp, where a flat wall stands for a second sphere of infinite radius and mass:
-//   linear-damped, all of the overlap the sphere's: k = pi E R, twice that between equal spheres;
-//   hertz-mindlin: R* = R (Hertz 1882), Y as between two spheres: the wall is of their material, but does not
-//   move.
+// test_further_laws.cpp. The wall is of the grains' material, but does not move:
+//   linear-damped: k = pi/2 E R, as between equal spheres, one of them of infinite mass;
+//   hertz-mindlin: R* = R (Hertz 1882), Y as between two spheres.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -54,7 +53,7 @@ TEST(WallLaws, LinearDampedHasTheRestitutionOfADampedOscillator) {
         LinearDamped law;
         law.young_modulus = 1e8;
         law.normal_damping = share;
-        const double w = std::sqrt(pi * law.young_modulus * radius / sphere_mass(radius, density));
+        const double w = std::sqrt(pi / 2 * law.young_modulus * radius / sphere_mass(radius, density));
         const double slow = std::sqrt(1 - share * share);
         const Impact impact = fall(law, 0.3);
         EXPECT_NEAR(impact.restitution / std::exp(-pi * share / slow), 1, 5e-3) << share;
@@ -90,7 +89,7 @@ TEST(WallLaws, RollingResistanceStopsARollingSphere) {
     how.damping = 0;
     how.free_rotation = true;
     how.time_step_safety = 0.05;
-    const double overlap = 1e-6, load = 2e8 * radius * overlap, v0 = 0.05;
+    const double overlap = 1e-6, load = 1e8 * radius * overlap, v0 = 0.05;
     Simulation simulation(one_sphere({0.3, 0.5, 0.1 + radius - overlap}), law, how);
     Wall floor = Wall::plane({0.5, 0.5, 0.1}, Vector3d::UnitZ(), 10);
     floor.friction_angle = 0.5;
