@@ -169,6 +169,15 @@ std::vector<std::size_t> leading(const Search& search, const Settings& base) {
     return out;
 }
 
+/// Whether a leader so far leaves this probe no chance.
+bool is_ruled_out(const Search& search, std::size_t at, const Settings& base) {
+    const Probe& probe = search.probes[at];
+    std::vector<Finalist> so_far;
+    for (const Leader& leader : search.leaders) so_far.push_back(leader.finalist);
+    return !search.held_out.empty() && !is_beyond_fingerprints(*probe.effect, base) &&
+           is_hopeless(0.5 * probe.explained.chi_squared, so_far);
+}
+
 Leader lead(const Search& search, std::size_t at, StudiedModel& base, const lab_data::Sample& sample,
             const std::filesystem::path& folder, RunLog* log) {
     const ModelEffect& effect = *search.probes[at].effect;
@@ -239,6 +248,11 @@ Search search_for_effect(StudiedModel& base, const lab_data::Sample& sample,
     report("where the model fails: " + failure(out.location, out.regions));
     if (out.location.alarm)
         for (const std::size_t k : leading(out, base.settings())) {
+            if (is_ruled_out(out, k, base.settings())) {
+                report(fmt::format("{} explains too little to be tried beside what fits",
+                                   out.probes[k].effect->name));
+                continue;
+            }
             report(fmt::format("ensemble with {}", out.probes[k].effect->name));
             or_leave_out(*out.probes[k].effect, out, [&] {
                 out.leaders.push_back(lead(out, k, base, sample, folder, log));

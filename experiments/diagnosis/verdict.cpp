@@ -92,6 +92,13 @@ Verdict decide(bool alarm, bool can_hold_out, const std::vector<Finalist>& final
     return out;
 }
 
+bool is_hopeless(double explained, const std::vector<Finalist>& so_far) {
+    return std::ranges::any_of(so_far, [&](const Finalist& f) {
+        return is_viable(f) && explained < thresholds::hopeless_share * f.log_evidence &&
+               explained < f.log_evidence - thresholds::hopeless_lag;
+    });
+}
+
 std::vector<double> probabilities(const std::vector<Finalist>& finalists) {
     std::vector<double> logs;
     double largest = 0;

@@ -37,6 +37,10 @@ std::string_view to_string(VerdictKind kind);
 /// all; without them nothing is named.
 Verdict decide(bool alarm, bool can_hold_out, const std::vector<Finalist>& finalists);
 
+/// Whether an effect needs no ensemble of its own, because one of the finalists so far fits and predicts, and
+/// `explained` (nats), what the effect's fingerprint explains, is far below that.
+bool is_hopeless(double explained, const std::vector<Finalist>& so_far);
+
 /// Probabilities of the finalists, and last of "none of them", from their evidences with equal prior odds; a
 /// model that fails the test has the odds of its p value against it.
 std::vector<double> probabilities(const std::vector<Finalist>& finalists);

@@ -32,6 +32,15 @@ TEST(DiagnosisVerdict, NamesTheOneThatFitsAndPredicts) {
     EXPECT_EQ(v.effects, Names{"rotation"});
 }
 
+TEST(DiagnosisVerdict, WhatExplainsLittleIsNotTriedBesideWhatFits) {
+    const std::vector<Finalist> fits = {finalist("rotation", 1, 100)};
+    EXPECT_TRUE(is_hopeless(19, fits));
+    EXPECT_FALSE(is_hopeless(21, fits));
+    EXPECT_FALSE(is_hopeless(3, {finalist("rotation", 1, 22)})) << "by too few nats";
+    EXPECT_FALSE(is_hopeless(19, {finalist("rotation", 1, 100, 1e-4)})) << "which does not fit";
+    EXPECT_FALSE(is_hopeless(0, {}));
+}
+
 TEST(DiagnosisVerdict, AScoreWithoutAShrinkingGapNamesNothing) {
     Finalist wider = finalist("rotation", 1, 50);
     wider.gap_shrinks = false;
