@@ -4,10 +4,10 @@
 // at x, r is normal with the covariance
 //   emulator(x) + packing(x) · packing_share + diag(T'² measurement²) + misfit,
 // where packing noise is common to the channels of one test alone, since the tests of a sample are specimens
-// of their own, and misfit, what the model cannot follow, has a standard deviation for each kind of channel
-// that is estimated along with the parameters. It is correlated along a curve where the observation says so:
-// then the number of readings of a curve does not matter, once there are enough to show its shape. The
-// probability that the direct runs with these parameters all come to an end is a further factor.
+// of their own, and misfit, what the model cannot follow, has a size for each kind of test, common to its
+// channels, that is estimated along with the parameters. It is correlated along a curve where the observation
+// says so: then the number of readings of a curve does not matter, once there are enough to show its shape.
+// The probability that the direct runs with these parameters all come to an end is a further factor.
 #pragma once
 
 #include <Eigen/Core>
@@ -40,8 +40,9 @@ TrainedEmulator train_emulator(const std::vector<RunRecord>& runs, const Paramet
 
 struct Fit {
     Eigen::VectorXd estimate;  // [d] most probable coordinates in the unit cube, were the emulator right
-    Eigen::VectorXd misfits;   // sd of what the model cannot follow, at the estimate, in the curves' units
-    double log_posterior = 0;  // at the estimate, up to a constant
+    Eigen::VectorXd
+        misfits;  // sizes of what the model cannot follow, at the estimate: ObservedCurve::misfit_sd
+    double log_posterior = 0;           // at the estimate, up to a constant
     optimizers::Posterior posterior;    // draws [n x d+misfits]: coordinates, misfits'
     Eigen::MatrixXd covariance;         // [m x m] of the residuals at the estimate, transformed scale
     double emulator_share = 0;          // of the residuals' variance, mean over the posterior's draws

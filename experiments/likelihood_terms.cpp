@@ -57,7 +57,7 @@ void ReadingNoise::add(const VectorXd& misfits, MatrixXd& c, Index first) const 
         const ObservedCurve& curve = curves_[at];
         if (curve.first < first || curve.first >= first + c.rows()) continue;
         const Index from = curve.first - first;
-        const double sd = curve.unit * misfits[curve.misfit];
+        const double sd = curve.misfit_sd(misfits);
         const bool independent = correlations_[at].size() == 0;
         for (Index k = curve.first; k < curve.first + curve.count; ++k)
             c(k - first, k - first) +=

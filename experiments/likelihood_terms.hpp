@@ -17,7 +17,7 @@ class ReadingNoise {
     ReadingNoise(const Observation& observation, const std::vector<OutputTransform>& transforms);
 
     const std::vector<surrogate::Prior>& misfit_priors() const { return misfit_priors_; }
-    /// Adds measurement and misfit, whose sd's [misfits] are in the unit of their curves, to the block
+    /// Adds measurement and misfit, of these sizes [misfits], to the block
     /// c [n x n] of the covariance that begins at reading `first` and cuts no curve; to all of it by default.
     void add(const Eigen::VectorXd& misfits, Eigen::MatrixXd& c, Eigen::Index first = 0) const;
     /// The readings of each specimen, whose noises of packing are independent of each other.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <optional>
 #include <span>
 #include <vector>
@@ -33,8 +34,15 @@ struct ObservedCurve {
     double relative = 0.01, floor = 5e-5;  // sd of measurement where not stated: of the reading; not below
     double tolerable_difference = 2.5e-3;  // of emulator and direct runs
     Eigen::Index misfit = 0;               // which of the observation's misfits
+    double usual_misfit = 1;               // what those are given in
+    double least_misfit = 0;               // whatever their sizes
     Eigen::VectorXd
         along;  // [count] place along the curve in 0..1, where the misfit is correlated; else empty
+
+    /// Standard deviation (SI) of the misfit, from the sizes of all misfits.
+    double misfit_sd(const Eigen::VectorXd& sizes) const {
+        return unit * std::hypot(least_misfit, usual_misfit * sizes[misfit]);
+    }
 };
 
 /// Measured values of the fitted outputs.
@@ -45,7 +53,7 @@ struct Observation {
     double floor = 5e-5;                // and not below the resolution (De Pue et al. 2019 read strain to it)
     double packing_share = 1;           // particles of a run over those of the measured specimen
     std::vector<ObservedCurve> curves;  // cover all readings in their order; empty: one curve of strain
-    std::vector<surrogate::Prior> misfit_priors;  // of their sd, in the curves' unit; empty: strain's
+    std::vector<surrogate::Prior> misfit_priors;  // of their sizes, see misfit_sd; empty: strain's
 };
 
 /// The curves and the misfits' priors, with the defaults in place of nothing.

@@ -54,7 +54,7 @@ json misfits_result(const Campaign& campaign, const Fit& fit) {
         const ObservedCurve& observed = observation.curves[at++];
         out.push_back({{"file", curve.test->test->file},
                        {"channel", curve.channel->name},
-                       {"sd", observed.unit * fit.misfits[observed.misfit]},
+                       {"sd", observed.misfit_sd(fit.misfits)},
                        {"unit", curve.channel->unit}});
     }
     return out;
