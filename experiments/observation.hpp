@@ -13,6 +13,10 @@
 
 namespace loam::experiments {
 
+// What sound DEM codes differ by on the same packings, at least (README, "How it is checked"): of volumetric
+// strain or settlement over height, and of stress over the pressure that confines.
+inline constexpr double volume_between_codes = 3e-4, stress_between_codes = 0.01;
+
 /// The scale on which an output is emulated and compared: T(y) = ln(1 + y / scale), about linear below
 /// `scale` (in the output's unit), so that the mean over packings, some of which collapse early, stays the
 /// mean of the output, and logarithmic above; or T(y) = y / scale for outputs that change their sign.

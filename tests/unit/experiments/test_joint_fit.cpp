@@ -1,11 +1,11 @@
 // What gives way where a model cannot follow all channels of a test.
 #include <gtest/gtest.h>
 
-#include <filesystem>
 #include <random>
 
 #include "experiments/campaign.hpp"
 #include "experiments/fit.hpp"
+#include "tests/unit/experiments/store_helpers.hpp"
 
 namespace loam::experiments {
 namespace {
@@ -41,35 +41,27 @@ TEST(JointFit, StrengthIsFollowedWhereVolumeAsksForAnotherSet) {
                     {"normal_damping", 0.1},
                     {"tangential_damping", 0.1}};
     settings.priors = {{"friction_angle", {engine::PriorKind::uniform, 0, 0, 0, 1}}};
-    const std::filesystem::path folder = std::filesystem::temp_directory_path() / "loam joint fit";
-    std::filesystem::remove_all(folder);
-    std::filesystem::create_directories(folder);
-    double estimate = 0;
-    {
-        const Campaign campaign(settings, sample, folder, nullptr);
-        ASSERT_EQ(campaign.space().dimension(), 1);
-        std::mt19937_64 random(3);
-        std::normal_distribution<double> normal;
-        std::vector<RunRecord> runs;
-        for (int k = 0; k < 40; ++k) {
-            RunRecord run;
-            run.ok = true;
-            run.spec.parameters = campaign.space().physical(VectorXd::Constant(1, (k + 0.5) / 40));
-            run.outputs =
-                curves_at(run.spec.parameters[static_cast<Index>(campaign.space().fitted[0])], campaign) *
-                (1 + 0.01 * normal(random));
-            runs.push_back(run);
-        }
-        std::vector<Index> columns;
-        const Observation observation = observation_of(campaign, columns);
-        const TrainedEmulator trained =
-            train_emulator(runs, campaign.space(), columns, transforms_of(observation), settings);
-        estimate = campaign.space().physical(fit(trained, campaign.space(), observation, settings)
-                                                 .estimate)[static_cast<Index>(campaign.space().fitted[0])];
+    const testing::TemporaryFolder folder;
+    const Campaign campaign(settings, sample, folder.path(), nullptr);
+    ASSERT_EQ(campaign.space().dimension(), 1);
+    const auto friction = static_cast<Index>(campaign.space().fitted[0]);
+    std::mt19937_64 random(3);
+    std::normal_distribution<double> normal;
+    std::vector<RunRecord> runs;
+    for (int k = 0; k < 40; ++k) {
+        RunRecord run;
+        run.ok = true;
+        run.spec.parameters = campaign.space().physical(VectorXd::Constant(1, (k + 0.5) / 40));
+        run.outputs = curves_at(run.spec.parameters[friction], campaign) * (1 + 0.01 * normal(random));
+        runs.push_back(run);
     }
-    std::filesystem::remove_all(folder);
+    std::vector<Index> columns;
+    const Observation observation = observation_of(campaign, columns);
+    const TrainedEmulator trained =
+        train_emulator(runs, campaign.space(), columns, transforms_of(observation), settings);
+    const Fit found = fit(trained, campaign.space(), observation, settings);
     // A tenth of the strength, some 0.25 of the cell pressure, or less; by misfits of their own, 0.5.
-    EXPECT_LT(std::abs(estimate - by_strength), 0.17);
+    EXPECT_LT(std::abs(campaign.space().physical(found.estimate)[friction] - by_strength), 0.17);
 }
 
 }  // namespace
