@@ -111,9 +111,11 @@ Probe probe_effect(const StudiedModel& base, const ModelEffect& effect, const la
         EffectChange change;
         try {
             change = change_with(base, effect, campaign, next, trial);
-        } catch (const TooFewRuns&) {  // so much of it cannot be simulated
+        } catch (const TooFewRuns& error) {  // so much of it cannot be simulated
+            if (!has_change && (trial + 1 == most_strengths || effect.parameters.empty())) throw;
+            out.runs += error.runs;
+            out.failed += error.failed;
             if (has_change) break;
-            if (trial + 1 == most_strengths || effect.parameters.empty()) throw;
             most = next / 2;
             next *= weaker;
             continue;
@@ -146,12 +148,12 @@ EffectChange change_with(const StudiedModel& base, const ModelEffect& effect, Ca
         out.of_packing.col(pairs++) = transformed(base, run.outputs) - transformed(base, same->outputs);
         out.packings.push_back(run.spec.packing_seed);
     }
-    if (pairs < fewest_pairs)
-        throw TooFewRuns(fmt::format("{} of {} runs with {} failed: {}",
-                                     runs.size() - static_cast<std::size_t>(pairs), runs.size(), effect.name,
-                                     runs.empty() ? "" : runs.front().reason));
-    out.of_packing.conservativeResize(Eigen::NoChange, pairs);
     out.failed = runs.size() - static_cast<std::size_t>(pairs);
+    if (pairs < fewest_pairs)
+        throw TooFewRuns(fmt::format("{} of {} runs with {} failed: {}", out.failed, runs.size(), effect.name,
+                                     runs.empty() ? "" : runs.front().reason),
+                         runs.size(), out.failed);
+    out.of_packing.conservativeResize(Eigen::NoChange, pairs);
     return out;
 }
 

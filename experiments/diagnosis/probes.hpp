@@ -18,7 +18,9 @@ const surrogate::Prior* prior_of_strength(const ModelEffect& effect, const Param
 
 /// Too many of the runs with an effect failed for its fingerprint.
 struct TooFewRuns : std::runtime_error {
-    using std::runtime_error::runtime_error;
+    TooFewRuns(const std::string& what, std::size_t runs, std::size_t failed)
+        : std::runtime_error(what), runs(runs), failed(failed) {}
+    std::size_t runs, failed;
 };
 
 /// What an effect of that strength (SI) changes in the base model's direct runs. `campaign`: of the model

@@ -1,7 +1,8 @@
 // loam bench joint-twins: soils of known stiffness, stiffness ratio, friction and rolling friction, each
 // tested by oedometer, triaxial and direct shear with measurement noise, on twice as many particles and other
 // packings than the ensemble's; fitted jointly through one ensemble: a first design over the prior, then some
-// runs where each soil's posterior lies. Beside it stands what the oedometer alone tells.
+// runs where each soil's posterior lies. Beside it stands what the oedometer alone tells, and what as many
+// runs tell that are all spread over the prior.
 #include <fmt/format.h>
 #include <omp.h>
 
@@ -27,7 +28,7 @@ using Eigen::VectorXd;
 
 constexpr Index soils = 24;
 constexpr int more_particles = 2, first_runs = 160, runs_per_soil = 6, packing_pool = 128;
-constexpr std::uint64_t likely_from = 2'000'000, twins_from = 4'000'000;
+constexpr std::uint64_t likely_from = 2'000'000, spread_from = 3'000'000, twins_from = 4'000'000;
 constexpr std::uint64_t twin_packings = 21, twin_noise = 22, twin_design = 23, training_packings = 1;
 
 /// One test of each kind, without measurements.
@@ -70,7 +71,7 @@ Settings model_of(const Settings& given) {
 struct Soil {
     const RunRecord* truth;
     Observation joint, oedometer;
-    std::optional<Fit> fit, by_oedometer;
+    std::optional<Fit> fit, by_oedometer, by_spread_runs;
 };
 
 Fit fit_to(const Observation& observation, const std::vector<Index>& columns,
@@ -81,10 +82,19 @@ Fit fit_to(const Observation& observation, const std::vector<Index>& columns,
                campaign.space(), observation, settings);
 }
 
-void fit_jointly(std::vector<Soil>& of, const std::vector<Index>& columns, const std::vector<RunRecord>& runs,
-                 const Campaign& campaign) {
+/// Fits every soil to that observation of it.
+void fit_all(std::vector<Soil>& of, Observation Soil::*observation, std::optional<Fit> Soil::*result,
+             const std::vector<Index>& columns, const std::vector<RunRecord>& runs,
+             const Campaign& campaign) {
 #pragma omp parallel for schedule(dynamic)
-    for (std::size_t k = 0; k < of.size(); ++k) of[k].fit = fit_to(of[k].joint, columns, runs, campaign);
+    for (std::size_t k = 0; k < of.size(); ++k)
+        of[k].*result = fit_to(of[k].*observation, columns, runs, campaign);
+}
+
+RunSpec shared_run(const Campaign& campaign, std::uint64_t index, const VectorXd& x) {
+    return {index, "training", campaign.space().physical(x),
+            run_seed(campaign.settings().seed, index % packing_pool, training_packings),
+            static_cast<std::uint32_t>(campaign.settings().particles)};
 }
 
 /// Runs where the posteriors of the soils lie.
@@ -96,12 +106,26 @@ std::vector<RunSpec> likely_runs(const std::vector<Soil>& of, const Campaign& ca
             const MatrixXd& draws = soil.fit->posterior.draws;
             const VectorXd x =
                 draws.row(k * draws.rows() / runs_per_soil).head(space.dimension()).transpose();
-            const std::uint64_t at = likely_from + specs.size();
-            specs.push_back({at, "training", space.physical(x),
-                             run_seed(campaign.settings().seed, at % packing_pool, training_packings),
-                             static_cast<std::uint32_t>(campaign.settings().particles)});
+            specs.push_back(shared_run(campaign, likely_from + specs.size(), x));
         }
     return specs;
+}
+
+/// As many runs as a second Latin hypercube over the prior.
+std::vector<RunSpec> spread_runs(std::size_t count, const Campaign& campaign) {
+    const ParameterSpace& space = campaign.space();
+    const MatrixXd x = space.from_probabilities(surrogate::maximin_latin_hypercube(
+        static_cast<Index>(count), space.dimension(), run_seed(campaign.settings().seed, 1, twin_design)));
+    std::vector<RunSpec> specs;
+    for (Index k = 0; k < x.rows(); ++k)
+        specs.push_back(
+            shared_run(campaign, spread_from + static_cast<std::uint64_t>(k), x.row(k).transpose()));
+    return specs;
+}
+
+std::vector<RunRecord> with(std::vector<RunRecord> runs, const std::vector<RunRecord>& more) {
+    runs.insert(runs.end(), more.begin(), more.end());
+    return runs;
 }
 
 std::vector<RunRecord> twins_of(Campaign& campaign) {
@@ -123,26 +147,27 @@ std::vector<RunRecord> twins_of(Campaign& campaign) {
 struct Row {
     std::string name;
     bool relative = false;
-    std::vector<double> errors;
-    double covered = 0, identified = 0, by_oedometer = 0;  // soils
+    std::vector<double> errors, widths;  // widths: of the 90 % intervals, relative like the errors
+    double covered = 0, identified = 0;  // soils
 };
 
-std::vector<Row> compare(const std::vector<Soil>& of, const Campaign& campaign) {
+std::vector<Row> rows_of(const std::vector<Soil>& of, std::optional<Fit> Soil::*by,
+                         const Campaign& campaign) {
     const ParameterSpace& space = campaign.space();
     std::vector<Row> rows;
     for (Index d = 0; d < space.dimension(); ++d) {
         const auto p = static_cast<Index>(space.fitted[static_cast<std::size_t>(d)]);
-        Row row{std::string(space.info(d).name), space.is_logarithmic(d), {}};
+        Row row{std::string(space.info(d).name), space.is_logarithmic(d), {}, {}};
         for (const Soil& soil : of) {
-            const double truth = soil.truth->spec.parameters[p];
-            const ParameterSummary s = summarise(campaign, *soil.fit)[static_cast<std::size_t>(p)];
-            row.errors.push_back(row.relative ? std::abs(s.estimate / truth - 1)
-                                              : std::abs(s.estimate - truth));
+            const double truth = soil.truth->spec.parameters[p], unit = row.relative ? truth : 1.0;
+            const ParameterSummary s = summarise(campaign, *(soil.*by))[static_cast<std::size_t>(p)];
+            row.errors.push_back(std::abs(s.estimate - truth) / unit);
+            row.widths.push_back((s.q95 - s.q05) / unit);
             row.covered += truth >= s.q05 && truth <= s.q95 ? 1 : 0;
             row.identified += s.identified ? 1 : 0;
-            row.by_oedometer +=
-                summarise(campaign, *soil.by_oedometer)[static_cast<std::size_t>(p)].identified ? 1 : 0;
         }
+        row.covered /= static_cast<double>(of.size());
+        row.identified /= static_cast<double>(of.size());
         rows.push_back(std::move(row));
     }
     return rows;
@@ -167,34 +192,50 @@ int bench_joint_twins(const Settings& given) {
     for (const RunRecord& twin : twins) {
         if (!twin.ok) continue;
         const std::uint64_t seed = run_seed(settings.seed, twin.spec.index, twin_noise);
-        of.push_back({&twin, observed(joint, columns, twin, seed),
-                      observed(single, oedometer_columns, twin, seed), std::nullopt, std::nullopt});
+        of.push_back({&twin,
+                      observed(joint, columns, twin, seed),
+                      observed(single, oedometer_columns, twin, seed),
+                      {},
+                      {},
+                      {}});
     }
-    fit_jointly(of, columns, runs, campaign);
-    for (RunRecord& run : campaign.run("likely runs", likely_runs(of, campaign)))
-        runs.push_back(std::move(run));
-    fit_jointly(of, columns, runs, campaign);
-#pragma omp parallel for schedule(dynamic)
-    for (std::size_t k = 0; k < of.size(); ++k)
-        of[k].by_oedometer = fit_to(of[k].oedometer, oedometer_columns, runs, campaign);
+    fit_all(of, &Soil::joint, &Soil::fit, columns, runs, campaign);
+    const std::vector<RunRecord> likely = campaign.run("likely runs", likely_runs(of, campaign)),
+                                 spread = campaign.run("spread runs", spread_runs(likely.size(), campaign));
+    fit_all(of, &Soil::joint, &Soil::by_spread_runs, columns, with(runs, spread), campaign);
+    runs = with(std::move(runs), likely);
+    fit_all(of, &Soil::joint, &Soil::fit, columns, runs, campaign);
+    fit_all(of, &Soil::oedometer, &Soil::by_oedometer, oedometer_columns, runs, campaign);
 
     nlohmann::json result = {
         {"soils", of.size()}, {"soils_failed", twins.size() - of.size()}, {"training_runs", runs.size()}};
-    std::string text = fmt::format("{:<18} {:>14} {:>16} {:>16} {:>26}\n", "parameter", "median error",
-                                   "90 % covers (%)", "identified (%)", "by the oedometer alone (%)");
-    const double n = static_cast<double>(of.size());
-    for (const Row& row : compare(of, campaign)) {
+    std::string text = fmt::format("{:<18} {:<21} {:>14} {:>14} {:>16} {:>16}\n", "parameter", "by",
+                                   "median error", "median width", "90 % covers (%)", "identified (%)");
+    const std::vector<Row> rows = rows_of(of, &Soil::fit, campaign),
+                           oedometers = rows_of(of, &Soil::by_oedometer, campaign),
+                           spreads = rows_of(of, &Soil::by_spread_runs, campaign);
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+        const Row& row = rows[k];
         result["parameters"][row.name] = {{"median_error", quantile(row.errors, 0.5)},
+                                          {"median_width", quantile(row.widths, 0.5)},
                                           {"relative", row.relative},
-                                          {"coverage90", row.covered / n},
-                                          {"identified", row.identified / n},
-                                          {"identified_by_oedometer", row.by_oedometer / n}};
-        text += fmt::format("{:<18} {:>12.3f}{:<2} {:>16.1f} {:>16.1f} {:>26.1f}\n", row.name,
-                            quantile(row.errors, 0.5), row.relative ? " *" : "", 100 * row.covered / n,
-                            100 * row.identified / n, 100 * row.by_oedometer / n);
+                                          {"coverage90", row.covered},
+                                          {"identified", row.identified},
+                                          {"identified_by_oedometer", oedometers[k].identified},
+                                          {"median_error_by_spread_runs", quantile(spreads[k].errors, 0.5)},
+                                          {"median_width_by_spread_runs", quantile(spreads[k].widths, 0.5)}};
+        for (const auto& [by, r] : {std::pair{"all tests", &row},
+                                    {"all, runs spread", &spreads[k]},
+                                    {"the oedometer alone", &oedometers[k]}})
+            text +=
+                fmt::format("{:<18} {:<21} {:>12.3f}{:<2} {:>12.3f}{:<2} {:>16.1f} {:>16.1f}\n", r->name, by,
+                            quantile(r->errors, 0.5), r->relative ? " *" : "", quantile(r->widths, 0.5),
+                            r->relative ? " *" : "", 100 * r->covered, 100 * r->identified);
     }
-    text += fmt::format("* relative. {} soils ({} more could not be tested), {} training runs\n", of.size(),
-                        twins.size() - of.size(), runs.size());
+    text += fmt::format(
+        "* relative. {} soils ({} more could not be tested), {} training runs, of which {} lie where the "
+        "soils' posteriors do, or are spread over the prior like the others\n",
+        of.size(), twins.size() - of.size(), runs.size(), likely.size());
     fmt::print("{}", settings.json ? result.dump(1) + "\n" : text);
     return 0;
 }

@@ -4,12 +4,15 @@
 #include <cmath>
 #include <cstdio>
 
+#include "engine/boxed_packing.hpp"
 #include "engine/packing.hpp"
+#include "experiments/lab_tests/direct_shear.hpp"
 #include "experiments/lab_tests/triaxial.hpp"
 
 namespace loam {
 namespace {
 
+using experiments::DirectShearOptions;
 using experiments::TriaxialOptions;
 
 constexpr double pressure = 1e5;  // Pa
@@ -34,6 +37,28 @@ struct Strength {
     double ratio = 0;       // mean deviatoric stress over cell pressure between two strains
     double void_ratio = 0;  // mean there
 };
+
+/// Mean of shear over normal stress on the plane of shear, at these displacements, in a box of 44 mean
+/// diameters' length, 11 of width and 13 of height, so that a shear zone of some ten fits in. Its walls are
+/// smooth.
+double direct_shear(std::uint64_t seed, const std::vector<double>& displacements) {
+    engine::BoxedPackingOptions options;
+    options.particles = 6000;
+    options.proportions = {2, 0.5, 0.6};
+    options.target_porosity = 0.42;
+    options.seed = seed;
+    const auto made = engine::make_boxed_packing(options);
+    DirectShearOptions how;
+    how.normal_stress = pressure;
+    how.displacements = displacements;
+    how.seating_stiffness = 2e4;
+    const auto run = run_direct_shear(made.packing, made.box, sand(), free_rotation(), how);
+    double out = 0;
+    for (const auto& reading : run.readings)
+        out += reading.shear_stress / reading.normal_stress / (1 - reading.wall_share) /
+               static_cast<double>(displacements.size());
+    return out;
+}
 
 /// Means over the readings at these axial strains.
 Strength triaxial(std::uint32_t particles, double porosity, std::uint64_t seed,
@@ -79,6 +104,31 @@ TEST(SoilMechanics, DenseAndLooseEndAtTheSameCriticalState) {
     EXPECT_NEAR(dense.ratio / loose.ratio, 1, 0.1);
     // They began 0.17 apart.
     EXPECT_LT(std::abs(dense.void_ratio - loose.void_ratio), 0.05);
+}
+
+/// Friction angle in plane strain by Matsuoka and Nakai 1974, where the intermediate stress is the geometric
+/// mean of the others: I1 I2 / I3 = 9 + 8 tan²(triaxial friction angle).
+double in_plane_strain(double triaxial_angle) {
+    const double sum = std::sqrt(9 + 8 * std::pow(std::tan(triaxial_angle), 2)) - 1;  // s + 1/s
+    const double ratio = std::pow(0.5 * (sum + std::sqrt(sum * sum - 4)), 2);         // s²: of the stresses
+    return std::asin((ratio - 1) / (ratio + 1));
+}
+
+/// Davis 1968: where the plane of shear does not stretch and no longer dilates, stress and strain rate being
+/// coaxial, the ratio of the stresses on it is the sine of the friction angle in plane strain. That is at
+/// least the triaxial one (Mohr and Coulomb), and at most, as spheres have it, Matsuoka and Nakai's. In small
+/// boxes the edges add to it: half as much again in one 14 diameters long.
+TEST(SoilMechanics, DirectShearFollowsFromTheTriaxialFrictionAngle) {
+    double q = 0, plane = 0;
+    for (const std::uint64_t seed : {1, 2, 3}) {
+        q += triaxial(1500, 0.42, seed, every(0.2, 0.4, 0.01)).ratio / 3;
+        plane += direct_shear(seed, every(0.08, 0.16, 0.005)) / 3;
+    }
+    const double angle = std::asin(q / (2 + q));
+    std::printf("triaxial friction angle %.3f rad; shear over normal stress %.3f, expected %.3f to %.3f\n",
+                angle, plane, std::sin(angle), std::sin(in_plane_strain(angle)));
+    EXPECT_GT(plane, 0.95 * std::sin(angle));
+    EXPECT_LT(plane, 1.05 * std::sin(in_plane_strain(angle)));
 }
 
 /// Above some hundred particles the number of them only sets the scatter.
