@@ -2,13 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
+#include <sstream>
 
 namespace loam::lab_data {
 namespace {
 
 constexpr double largest_stress = 1e9;      // Pa
 constexpr double least_usual_stress = 1e3;  // Pa: below, the unit is suspect
-constexpr double sign_tolerance = 1e-3;     // strain: a first reading may be slightly negative
+// Largest shear stress of soils over the pressure on them, beyond which the unit is suspect: cemented ones at
+// low pressure reach ten, soft ones some tenths.
+constexpr double largest_usual_ratio = 50, least_usual_ratio = 0.02;
+constexpr double sign_tolerance = 1e-3;  // strain: a first reading may be slightly negative
 constexpr const char* reverse_sign = "compression is positive: reverse the sign of the column";
 
 const std::string& column_name(const Curve& curve, const std::string& quantity) {
@@ -65,6 +70,17 @@ void check_positive_peak(const Curve& curve, const std::string& quantity, const 
     if (*peak <= 0)
         curve.error(static_cast<std::size_t>(peak - values.begin()), quantity,
                     "is the largest of its column but not positive", remedy);
+}
+
+void warn_of_ratio(const Curve& curve, const std::string& quantity, double pressure,
+                   const std::string& name) {
+    if (pressure <= 0) return;
+    const double ratio = std::ranges::max(curve.values(quantity)) / pressure;
+    if (ratio <= 0 || (ratio >= least_usual_ratio && ratio <= largest_usual_ratio)) return;
+    std::ostringstream text;
+    text << column_name(curve, quantity) << " reaches " << std::setprecision(2) << ratio << " times the "
+         << name << "; are the units right?";
+    curve.faults.warn(curve.table.file, text.str());
 }
 
 /// Stresses rise from stage to stage, and fall while unloading. Where a phase changes, the stage may be
@@ -160,6 +176,7 @@ void check_triaxial(const Curve& curve) {
     else
         check_positive_peak(curve, "axial_strain", "give the strain of each reading");
     check_positive_peak(curve, "deviatoric_stress", reverse_sign);
+    warn_of_ratio(curve, "deviatoric_stress", curve.test.cell_pressure, "cell pressure");
     // Isotropic compression contracts by three times the axial strain; no test of this kind does more.
     if (std::abs(volumetric[last]) > 3 * std::abs(axial[last]) && std::abs(volumetric[last]) > 0.01)
         curve.faults.warn(curve.table.file,
@@ -178,6 +195,7 @@ void check_direct_shear(const Curve& curve) {
     const std::string forward = "the first direction of shearing is positive: reverse the sign of the column";
     check_positive_peak(curve, displacement, forward);
     check_positive_peak(curve, "shear_stress", forward);
+    warn_of_ratio(curve, "shear_stress", curve.test.normal_stress, "normal stress");
     warn_not_rising(curve, displacement);
 }
 

@@ -134,6 +134,24 @@ TEST(ReadSample, WarnsOfAnIgnoredColumnThatIsNearlyAKnownOne) {
     EXPECT_NE(read(files).warnings.at(0).find("did you mean 'phase'?"), std::string::npos);
 }
 
+TEST(ReadSample, WarnsOfAStrengthThatNoSoilHas) {
+    const auto warnings = [](const std::string& file, const std::string& from, const std::string& to) {
+        Files files = sound_files();
+        files[file] = replaced(files[file], from, to);
+        std::string all;
+        for (const std::string& warning : read(files).warnings) all += warning + "\n";
+        return all;
+    };
+    const std::string asks = "; are the units right?";
+    EXPECT_NE(warnings("triaxial.csv", "5,210,", "5,210000,")
+                  .find("triaxial.csv: deviatoric_stress_kPa reaches 2.1e+03 times the cell pressure" + asks),
+              std::string::npos);
+    EXPECT_NE(warnings("sample.toml", "normal_stress_kPa = 100", "normal_stress_kPa = 100000")
+                  .find("shear.csv: shear_stress_kPa reaches 0.00062 times the normal stress" + asks),
+              std::string::npos);
+    EXPECT_EQ(warnings("triaxial.csv", "5,210,", "5,4900,").find(asks), std::string::npos);
+}
+
 TEST(ReadSample, ConvertsStrainsOfTheShearBox) {
     Files files = sound_files();
     files["shear.csv"] =
