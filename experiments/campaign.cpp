@@ -38,20 +38,20 @@ lab_data::UserError no_reading(const lab_data::Test& test) {
 
 /// One parameter set is to describe specimens of all densities: where they are far apart, what the model
 /// leaves out of density's part shows as a disagreement of the tests.
-void warn_of_densities(const std::vector<CampaignTest>& tests, std::vector<std::string>& warnings) {
+void warn_of_densities(const std::vector<const lab_data::Test*>& tests, std::vector<std::string>& warnings) {
     constexpr double far_apart = 0.2;
-    const auto of = [](const CampaignTest& test) { return test.test->initial_void_ratio.value_or(NAN); };
-    const CampaignTest *loosest = nullptr, *densest = nullptr;
-    for (const CampaignTest& test : tests) {
-        if (std::isnan(of(test))) continue;
-        if (loosest == nullptr || of(test) > of(*loosest)) loosest = &test;
-        if (densest == nullptr || of(test) < of(*densest)) densest = &test;
+    const auto of = [](const lab_data::Test& test) { return test.initial_void_ratio.value_or(NAN); };
+    const lab_data::Test *loosest = nullptr, *densest = nullptr;
+    for (const lab_data::Test* test : tests) {
+        if (std::isnan(of(*test))) continue;
+        if (loosest == nullptr || of(*test) > of(*loosest)) loosest = test;
+        if (densest == nullptr || of(*test) < of(*densest)) densest = test;
     }
     if (loosest == nullptr || of(*loosest) - of(*densest) <= far_apart) return;
     warnings.push_back(
         fmt::format("initial void ratios span {:.3f} ({}) to {:.3f} ({}): one parameter set has to "
                     "describe both",
-                    of(*densest), densest->test->file, of(*loosest), loosest->test->file));
+                    of(*densest), densest->file, of(*loosest), loosest->file));
 }
 
 /// Packing files hold periodic cells: what lies in a box cannot be loaded from them.
@@ -88,7 +88,9 @@ std::vector<CampaignTest> select_tests(const Settings& settings, const lab_data:
         first += entry.outputs();
         out.push_back(entry);
     }
-    warn_of_densities(out, warnings);
+    std::vector<const lab_data::Test*> selected;
+    for (const CampaignTest& test : out) selected.push_back(test.test);
+    warn_of_densities(selected, warnings);
     if (out.empty())
         throw lab_data::UserError({.file = sample.folder.string(),
                                    .constraint = "has no test of the kinds asked for",
@@ -162,6 +164,23 @@ double keep_reached(VirtualTestResult& result) {
 }
 
 }  // namespace
+
+std::vector<std::string> check_tests(const Settings& settings, const lab_data::Sample& sample) {
+    constexpr double any_porosity = 0.4;
+    constexpr std::uint32_t any_number = 700;
+    std::vector<std::string> warnings;
+    std::vector<const lab_data::Test*> selected;
+    for (const lab_data::Test& test : sample.tests) {
+        if (!wanted(settings, test)) continue;
+        const LabTestKind& kind = lab_test(test.kind);
+        if (kind.readings(test).empty()) throw no_reading(test);
+        kind.shape(settings, sample, test, any_porosity, any_number);
+        target_porosity(settings, sample, test);
+        selected.push_back(&test);
+    }
+    warn_of_densities(selected, warnings);
+    return warnings;
+}
 
 Eigen::VectorXd CampaignTest::measured(std::string_view column) const {
     const std::vector<double>& all = test->column(std::string(column));

@@ -70,6 +70,10 @@ struct CampaignOptions {
     bool keep_partial = false;
 };
 
+/// What a campaign would find in the sample's tests, before any run: the warnings. Throws UserError where a
+/// test cannot be simulated.
+std::vector<std::string> check_tests(const Settings& settings, const lab_data::Sample& sample);
+
 class Campaign {
   public:
     /// `folder` holds the store; `log` may be null. The sample must outlive the campaign. Throws UserError

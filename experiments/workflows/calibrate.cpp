@@ -11,6 +11,7 @@
 #include "experiments/report/report.hpp"
 #include "experiments/settings/run_folder.hpp"
 #include "experiments/workflows/calibration_report.hpp"
+#include "experiments/workflows/held_out_tests.hpp"
 #include "experiments/workflows/parameter_summary.hpp"
 #include "experiments/workflows/result_json.hpp"
 
@@ -78,6 +79,8 @@ int run_calibrate(const Settings& settings) {
         warnings.insert(warnings.end(), more->begin(), more->end());
     for (std::string& text : density_warnings(campaign, calibration.confirmation))
         warnings.push_back(std::move(text));
+    HeldOutFindings held_out = explain_held_out(campaign, sample, calibration, folder.path(), &log);
+    for (std::string& text : held_out.warnings) warnings.push_back(std::move(text));
 
     const std::vector<ParameterSummary> parameters = summarise(campaign, calibration.fit);
     json result = common_result(settings, sample.name, campaign, warnings);
@@ -85,6 +88,8 @@ int run_calibrate(const Settings& settings) {
     result["tests"] = tests_result(campaign, calibration.simulated);
     result["misfit_sd"] = misfits_result(campaign, calibration.fit);
     result["stopped_by"] = calibration.stopped_by;
+    result["dem_runs"] = result["dem_runs"].get<std::size_t>() + held_out.runs;
+    result["dem_failed"] = result["dem_failed"].get<std::size_t>() + held_out.failed;
     json document = calibration_document(campaign, sample, calibration, parameters, result);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
     result["seconds"] = seconds;

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "experiments/campaign.hpp"
 #include "experiments/settings/reading.hpp"
 #include "experiments/settings/validation.hpp"
 #include "lab_data/check.hpp"
@@ -28,6 +29,17 @@ const char* kind_text(PathKind kind) {
     return "configuration";
 }
 
+/// Adds what speaks against simulating the tests of a sample that is sound in itself.
+void add_tests(const Settings& settings, const std::filesystem::path& sample, CheckReport& report) {
+    if (!report.sound()) return;
+    try {
+        for (std::string& warning : check_tests(settings, lab_data::read_sample(sample)))
+            report.warnings.push_back(std::move(warning));
+    } catch (const UserError& error) {
+        report.errors.push_back(error);
+    }
+}
+
 /// Checks the settings, and the sample that they name.
 CheckReport check_configuration(const std::filesystem::path& file) {
     CheckReport report;
@@ -36,6 +48,7 @@ CheckReport check_configuration(const std::filesystem::path& file) {
         const Settings settings = read_configuration(file);
         if (!settings.sample.empty()) {
             report = lab_data::check(settings.sample);
+            if (report.kind == PathKind::sample) add_tests(settings, settings.sample, report);
             report.kind = PathKind::other_file;
         }
         report.contents.insert(
@@ -76,8 +89,9 @@ void print_text(const CheckReport& report, bool quiet) {
 
 int run_check(const PlainArguments& arguments) {
     const bool is_configuration = lab_data::kind_of(arguments.path) == PathKind::other_file;
-    const CheckReport report =
+    CheckReport report =
         is_configuration ? check_configuration(arguments.path) : lab_data::check(arguments.path);
+    if (report.kind == PathKind::sample) add_tests(Settings{}, arguments.path, report);
     if (arguments.json)
         print_json(report);
     else

@@ -200,6 +200,9 @@ class Check(ProgramTest):
         self.assertIn("4 parameters to fit, 1 held fixed", answer.stdout)
         self.assertIn("oedometer_1.csv", answer.stdout)
 
+    def test_densities_that_one_soil_hardly_has(self):
+        self.assertIn("initial void ratios span 0.524 (triaxial_drained_50kPa.csv) to 0.996 (oedometer_1.csv)", loam("check", SAND).stderr)
+
     def test_json(self):
         answer = loam("check", "--json", self.sample(oedometer_1__csv=None))
         report = json.loads(answer.stdout)
