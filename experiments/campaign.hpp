@@ -70,8 +70,8 @@ struct CampaignOptions {
     bool keep_partial = false;
 };
 
-/// What a campaign would find in the sample's tests, before any run: the warnings. Throws UserError where a
-/// test cannot be simulated.
+/// Whether a campaign could simulate the sample's tests: warns of densities far apart, and throws UserError
+/// where a test cannot be simulated.
 std::vector<std::string> check_tests(const Settings& settings, const lab_data::Sample& sample);
 
 class Campaign {

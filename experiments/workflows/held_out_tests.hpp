@@ -1,6 +1,7 @@
 // Why a test that was left out of the fit is predicted badly: its density, or the model.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <vector>
