@@ -2,9 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
-#include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 #include <stdexcept>
 
@@ -24,7 +22,6 @@ constexpr std::uint64_t rounds_from = 2'000'000, round_size = 10'000, confirmati
                         rounds_of_a_task = 20;
 constexpr std::uint64_t confirmation_packings = 2, draw_stream = 4;  // of run_seed
 
-constexpr double agreement = 0.99;        // quantile of the test of emulator against direct runs
 constexpr double tolerable_share = 0.25;  // of the residuals' variance that the emulator may cause
 
 /// A direct run, on a packing that no emulator is trained on.
@@ -50,6 +47,17 @@ Index outside_posterior(const Fit& fit) {
     return -1;
 }
 
+/// The curves [n x m] of the direct runs at the estimate, transformed.
+MatrixXd direct_curves(const Calibration& c) {
+    return transformed_curves(c.confirmation, c.columns, c.trained->transforms);
+}
+
+/// The estimate with the mean of its direct runs.
+TriedSet tried(const Calibration& c) {
+    const MatrixXd curves = direct_curves(c);
+    return {c.fit.estimate, curves.colwise().mean().transpose(), static_cast<double>(curves.rows())};
+}
+
 /// Runs drawn from the posterior: distinct draws, evenly over the chains. Where the estimate lies elsewhere,
 /// the posterior is mostly the emulator's ignorance: a few runs end that, and such places, far from what was
 /// measured, can be dear.
@@ -68,59 +76,18 @@ std::vector<RunSpec> added_runs(const Campaign& campaign, const Fit& fit, std::u
     return specs;
 }
 
-/// The largest rms difference of a curve of emulator and direct runs, over what is tolerable.
-double largest_difference(const Calibration& c, const Observation& observation, const VectorXd& emulated) {
-    double largest = 0;
-    for (const ObservedCurve& curve : curves_of(observation)) {
-        double squares = 0;
-        for (Index k = curve.first; k < curve.first + curve.count; ++k)
-            squares += std::pow(c.simulated[c.columns[static_cast<std::size_t>(k)]] - emulated[k], 2);
-        const double rms = std::sqrt(squares / static_cast<double>(curve.count));
-        largest = std::max(largest, rms / (curve.unit * curve.tolerable_difference));
-    }
-    return largest;
-}
-
-/// The estimate with the mean of its direct runs.
-TriedSet tried(const Calibration& c, const TrainedEmulator& trained) {
-    const Index m = static_cast<Index>(c.columns.size());
-    TriedSet out{c.fit.estimate, VectorXd::Zero(m)};
-    for (const RunRecord& run : c.confirmation) {
-        if (!run.ok) continue;
-        out.runs += 1;
-        for (Index k = 0; k < m; ++k)
-            out.mean[k] += trained.transforms[static_cast<std::size_t>(k)].forward(
-                run.outputs[c.columns[static_cast<std::size_t>(k)]]);
-    }
-    out.mean /= out.runs;
-    return out;
-}
-
 /// Compares the emulator with the mean of the direct runs, at the estimate.
-CalibrationRound compare(const Calibration& c, const TrainedEmulator& trained,
-                         const Observation& observation) {
-    const Index m = static_cast<Index>(c.columns.size());
-    const TriedSet direct = tried(c, trained);
-    const surrogate::CurvePrediction at = trained.emulator.predict(c.fit.estimate);
-    VectorXd emulated(m);
-    for (Index k = 0; k < m; ++k) {
-        const OutputTransform& transform = trained.transforms[static_cast<std::size_t>(k)];
-        emulated[k] =
-            transform.inverse(at.mean[k] + (transform.linear ? 0.0 : 0.5 * at.noise_covariance(k, k)));
-    }
-    const MatrixXd spread = at.emulator_covariance + at.noise_covariance / direct.runs;
+CalibrationRound compare(const Campaign& campaign, const Calibration& c, const Observation& observation) {
     CalibrationRound round;
-    round.runs = trained.runs;
-    round.difference = largest_difference(c, observation, emulated);
-    const VectorXd difference = direct.mean - at.mean;
-    round.disagreement = std::sqrt(std::max(0.0, difference.dot(spread.ldlt().solve(difference))));
-    round.limit =
-        std::sqrt(boost::math::quantile(boost::math::chi_squared(static_cast<double>(m)), agreement));
+    round.runs = c.trained->runs;
+    round.check = check_emulator(c.fit, *c.trained, observation, direct_curves(c));
     round.emulator_share = c.fit.emulator_share;
     round.text = fmt::format(
-        "{} runs: direct runs differ from the emulator by {:.2f} of what is tolerable, {:.2f} in units of "
-        "their noise (limit {:.2f}); the emulator makes {:.0f} % of the residuals' variance",
-        round.runs, round.difference, round.disagreement, round.limit, 100 * round.emulator_share);
+        "{} runs: direct runs differ from the emulator by {:.2f} of what is tolerable, which would shift {} "
+        "by "
+        "{:.2f} standard deviations (limit {:.2f}); the emulator makes {:.0f} % of the residuals' variance",
+        round.runs, round.check.difference, campaign.space().info(round.check.parameter).name,
+        round.check.shift, round.check.limit, 100 * round.emulator_share);
     return round;
 }
 
@@ -140,10 +107,10 @@ void confirm(Campaign& campaign, Calibration& c, int round, const CalibrationTas
 }
 
 /// Sums the direct runs up and appends how the emulator compares with them.
-void judge(Calibration& c, const Observation& observation) {
+void judge(const Campaign& campaign, Calibration& c, const Observation& observation) {
     c.simulated = mean_outputs(c.confirmation);
     c.replicate_sd = sd_outputs(c.confirmation);
-    c.rounds.push_back(compare(c, *c.trained, observation));
+    c.rounds.push_back(compare(campaign, c, observation));
 }
 
 /// Where the emulator never became sure, its most probable set is no better than what it does not know: takes
@@ -154,13 +121,13 @@ void take_best(Campaign& campaign, Calibration& c, const std::vector<TriedSet>& 
     const std::size_t best =
         choose(c.fit, sets, *c.trained, campaign.space(), observation, campaign.settings());
     confirm(campaign, c, campaign.settings().calibration.max_rounds + 1, task, 2);
-    judge(c, observation);
+    judge(campaign, c, observation);
     c.rounds.back().text +=
         fmt::format("; estimate {} of {}, the most probable by its direct runs", best + 1, sets.size());
 }
 
 void warn_of_disagreement(Calibration& c) {
-    if (c.rounds.back().disagreement > c.rounds.back().limit)
+    if (!c.rounds.back().check.agrees())
         c.warnings.push_back("emulator and direct runs still disagree at the estimate: " +
                              c.rounds.back().text);
 }
@@ -261,10 +228,10 @@ Calibration calibrate(Campaign& campaign, std::vector<RunRecord>& runs, const Ca
             add_runs(campaign, c, runs, round_number(task, round), task.title);
             continue;
         }
-        judge(c, observation);
-        sets.push_back(tried(c, *c.trained));
+        judge(campaign, c, observation);
+        sets.push_back(tried(c));
         const CalibrationRound& now = c.rounds.back();
-        if (now.disagreement <= now.limit && now.emulator_share <= tolerable_share && now.difference <= 1 &&
+        if ((round > 0 || task.follows) && now.check.agrees() && now.emulator_share <= tolerable_share &&
             outside_posterior(c.fit) < 0) {
             c.stopped_by = "the emulator agrees with direct runs and is a small part of the uncertainty";
             break;

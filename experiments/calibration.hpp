@@ -1,9 +1,10 @@
 // The calibration loop: design -> runs -> emulator -> fit -> direct runs at the estimate on fresh packings;
-// where emulator and direct runs disagree by more than their noise or by more than a laboratory would notice,
-// or the emulator is a large part of the uncertainty, or estimate and posterior lie apart, runs are added
-// where the posterior lies, and the loop goes round. The direct runs of a round that
-// is over train the next emulator; the last round's never do. If the emulator has not become sure when the
-// rounds end, direct runs choose among the estimates tried, and others confirm the one that is chosen.
+// where they say that the emulator's error would move the posterior, or is more than a laboratory would not
+// notice, or the emulator is a large part of the uncertainty, or estimate and posterior lie apart, runs are
+// added where the posterior lies, and the loop goes round; it does so once in any case (training_design.hpp).
+// The direct runs of a round that is over train the next emulator; the last round's never do. If the emulator
+// has not become sure when the rounds end, direct runs choose among the estimates tried, and others confirm
+// the one that is chosen.
 #pragma once
 
 #include <optional>
@@ -11,6 +12,7 @@
 #include <vector>
 
 #include "experiments/campaign.hpp"
+#include "experiments/emulator_check.hpp"
 #include "experiments/fit.hpp"
 #include "experiments/training_design.hpp"
 
@@ -18,11 +20,8 @@ namespace loam::experiments {
 
 struct CalibrationRound {
     Eigen::Index runs = 0;      // that trained the emulator
-    double disagreement = 0;    // Mahalanobis distance of the direct runs' mean from the emulator
-    double limit = 0;           // of that distance: 99 % quantile if the emulator is right
     double emulator_share = 0;  // of the variance of the residuals, mean over the posterior
-    // Of the direct runs' mean curve minus the emulator's: rms over what is tolerable, of the worst curve.
-    double difference = 0;
+    EmulatorCheck check{};
     std::string text;
 };
 

@@ -145,8 +145,9 @@ json emulator_document(const Campaign& campaign, const Calibration& c) {
     out["rmse"] = to_json(loo.rmse);
     for (const CalibrationRound& round : c.rounds)
         out["rounds"].push_back({{"runs", round.runs},
-                                 {"disagreement", round.disagreement},
-                                 {"noise", round.limit},
+                                 {"difference", round.check.difference},
+                                 {"shift", round.check.shift},
+                                 {"limit", round.check.limit},
                                  {"text", round.text}});
     return out;
 }
@@ -214,12 +215,11 @@ std::string verdict(const Calibration& c, const std::vector<ParameterSummary>& p
     std::string open;
     for (const ParameterSummary& p : parameters)
         if (!p.fixed && !p.identified) open += (open.empty() ? "" : ", ") + p.name;
-    return fmt::format("Direct DEM runs at the estimate follow {}; {}. What is left over: {}.",
-                       followed(result["tests"]),
-                       open.empty() ? "every parameter is identified" : "these data do not identify " + open,
-                       c.rounds.back().disagreement > c.rounds.back().limit
-                           ? "emulator and direct runs still differ by more than their noise"
-                           : "see the residuals by reading below");
+    return fmt::format(
+        "Direct DEM runs at the estimate follow {}; {}. What is left over: {}.", followed(result["tests"]),
+        open.empty() ? "every parameter is identified" : "these data do not identify " + open,
+        c.rounds.back().check.agrees() ? "see the residuals by reading below"
+                                       : "emulator and direct runs still differ by more than is tolerable");
 }
 
 }  // namespace

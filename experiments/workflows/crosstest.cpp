@@ -46,8 +46,11 @@ ParameterSet fit_set(Campaign& campaign, std::vector<RunRecord>& runs, const cha
 }
 
 Sets fit_sets(Campaign& campaign, RunLog& log) {
-    const CalibrationTask all{.title = "joint"}, of_triaxial{{TestKind::triaxial}, 1, "triaxial"},
-        of_shear{{TestKind::direct_shear}, 2, "direct shear"};
+    const auto of = [](TestKind kind, std::uint64_t place, const char* title) {
+        return CalibrationTask{.kinds = {kind}, .place = place, .title = title, .follows = true};
+    };
+    const CalibrationTask all{.title = "joint"}, of_triaxial = of(TestKind::triaxial, 1, "triaxial"),
+                                                 of_shear = of(TestKind::direct_shear, 2, "direct shear");
     std::vector<RunRecord> runs = narrowing_runs(campaign, std::array{all, of_triaxial, of_shear});
     // The joint fit goes first: its runs lie where the others' are needed too.
     ParameterSet joint = fit_set(campaign, runs, "joint", all, log);

@@ -124,14 +124,15 @@ function rounds(rows) {
     el(
       "p",
       "note",
-      "After each fit the emulator is compared with new DEM runs at the estimate; runs are added where they disagree by more than their noise.",
+      "After each fit the emulator is compared with new DEM runs at the estimate; runs are added where the difference is more than tolerable or would shift the parameters.",
     ),
     table(
       [
         { head: "Round", cell: (r) => String(rows.indexOf(r) + 1) },
         { head: "DEM runs", number: true, cell: (r) => String(r.runs ?? "–") },
-        { head: "Disagreement", number: true, cell: (r) => number(r.disagreement) },
-        { head: "Noise", number: true, cell: (r) => number(r.noise) },
+        { head: "Difference / tolerable", number: true, cell: (r) => number(r.difference) },
+        { head: "Shift / sd", number: true, cell: (r) => number(r.shift) },
+        { head: "Limit", number: true, cell: (r) => number(r.limit) },
         { head: "What was concluded", cell: (r) => String(r.text ?? "") },
       ],
       rows,

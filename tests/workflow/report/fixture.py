@@ -101,8 +101,8 @@ def emulator(rng, runs):
             errors.append(z * sd)
         rmse.append(math.sqrt(sum(e * e for e in errors) / runs))
     return {"outputs": outputs, "loo": loo, "coverage90": 0.893, "rmse": rmse, "rounds": [
-        {"runs": 72, "disagreement": 2.9, "noise": 1.0, "text": "The emulator is off by more than its noise between 20 and 80 kPa; 16 runs added around the estimate."},
-        {"runs": 88, "disagreement": 0.9, "noise": 1.0, "text": "Emulator and DEM agree within their noise; stopped."}]}
+        {"runs": 72, "difference": 2.9, "shift": 1.3, "limit": 0.5, "text": "The emulator is off by more than its noise between 20 and 80 kPa; 16 runs added around the estimate."},
+        {"runs": 88, "difference": 0.9, "shift": 0.2, "limit": 0.6, "text": "Emulator and DEM agree within their noise; stopped."}]}
 
 
 def sensitivity():

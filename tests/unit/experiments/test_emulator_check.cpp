@@ -1,0 +1,126 @@
+// What direct runs say of an emulator, against emulators whose error is known.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "experiments/cross_test.hpp"
+#include "experiments/emulator_check.hpp"
+
+namespace loam::experiments {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// A model of one parameter, measured at 0.5 with specimens as small as the runs: strains
+/// 0.02 (k + 1) / 6 · (1 + (x + offset) / 2), scattering by 2 % as a whole from run to run.
+struct Model {
+    static constexpr Index readings = 6;
+    ParameterSpace space;
+    Settings settings{};
+    Observation observation;
+    std::vector<Index> columns;
+    std::mt19937_64 random{5};
+
+    static double strain(double x, Index k) { return 0.02 * static_cast<double>(k + 1) / 6 * (1 + x / 2); }
+
+    Model() {
+        space.parameters.resize(1);
+        space.fitted = {0};
+        space.priors = {surrogate::Prior{surrogate::PriorKind::uniform, 0, 0, 0, 1}};
+        space.values = VectorXd::Constant(1, 0.5);
+        observation.measured.resize(readings);
+        for (Index k = 0; k < readings; ++k) {
+            observation.measured[k] = strain(0.5, k);
+            columns.push_back(k);
+        }
+    }
+
+    RunRecord run(double x, double offset, double scatter) {
+        RunRecord out;
+        out.spec.parameters = VectorXd::Constant(1, x);
+        out.ok = true;
+        out.outputs.resize(readings);
+        const double factor = 1 + scatter * std::normal_distribution<double>()(random);
+        for (Index k = 0; k < readings; ++k) out.outputs[k] = strain(x + offset, k) * factor;
+        return out;
+    }
+
+    TrainedEmulator emulator(double offset) {
+        random.seed(7);
+        std::vector<RunRecord> runs;
+        for (int r = 0; r < 60; ++r) runs.push_back(run(r / 59.0, offset, 0.02));
+        return train_emulator(runs, space, columns, transforms_of(observation), settings);
+    }
+
+    Fit fitted(const TrainedEmulator& trained) const { return fit(trained, space, observation, settings); }
+
+    MatrixXd direct(double x, double scatter, int count = 12) {
+        std::vector<RunRecord> runs;
+        for (int r = 0; r < count; ++r) runs.push_back(run(x, 0, scatter));
+        return transformed_curves(runs, columns, transforms_of(observation));
+    }
+};
+
+TEST(EmulatorCheck, TheShiftIsThatOfARefitWithTheErrorMended) {
+    Model model;
+    const TrainedEmulator sound = model.emulator(0), off = model.emulator(0.03);
+    const Gaussian right = gaussian_of(model.fitted(sound), 1);
+    const Fit fit = model.fitted(off);
+    const Gaussian wrong = gaussian_of(fit, 1);
+    const double sd = std::sqrt(wrong.covariance(0, 0)), moved = (right.mean[0] - wrong.mean[0]) / sd;
+    ASSERT_GT(moved, 0.3);
+    // Direct runs on as many packings as make their mean sure.
+    const EmulatorCheck check =
+        check_emulator(fit, off, model.observation, model.direct(fit.estimate[0], 0.0));
+    EXPECT_NEAR(check.shift, moved, 0.15 * moved);
+    EXPECT_EQ(check.parameter, 0);
+    EXPECT_DOUBLE_EQ(check.limit, 0.5);
+}
+
+TEST(EmulatorCheck, WhatTheScatterOfTheRunsMakesIsAllowed) {
+    Model model;
+    const TrainedEmulator sound = model.emulator(0);
+    const Fit fit = model.fitted(sound);
+    const double x = fit.estimate[0];
+    int agreeing = 0;
+    for (int k = 0; k < 50; ++k)
+        agreeing += check_emulator(fit, sound, model.observation, model.direct(x, 0.04)).agrees() ? 1 : 0;
+    EXPECT_GE(agreeing, 42);  // 97 % expected, less what is off in the emulator itself
+    // The same error is no chance where runs scatter less.
+    const double limit = check_emulator(fit, sound, model.observation, model.direct(x, 0.04)).limit;
+    EXPECT_GT(limit, check_emulator(fit, sound, model.observation, model.direct(x, 0.01)).limit);
+    // Runs that scatter so much that they tell nothing are no agreement by that.
+    EXPECT_DOUBLE_EQ(check_emulator(fit, sound, model.observation, model.direct(x, 0.5)).limit, 2);
+}
+
+TEST(EmulatorCheck, AnErrorThatMovesNoParameterIsSeenInTheCurves) {
+    Model model;
+    const TrainedEmulator sound = model.emulator(0);
+    const Fit fit = model.fitted(sound);
+    MatrixXd direct = model.direct(fit.estimate[0], 0.0);
+    const EmulatorCheck before = check_emulator(fit, sound, model.observation, direct);
+    EXPECT_LT(before.difference, 1);
+    EXPECT_TRUE(before.agrees());
+    // The error at right angles to what the parameter does, in the metric of the residuals.
+    MatrixXd slope;
+    sound.emulator.predict_mean(fit.estimate, &slope);
+    VectorXd error = VectorXd::Zero(Model::readings);
+    error[0] = 1;
+    const VectorXd weights = fit.covariance.ldlt().solve(slope).col(0);
+    error -= slope.col(0) * (weights.dot(error) / weights.dot(slope.col(0)));
+    direct.rowwise() += error.transpose();
+    const EmulatorCheck after = check_emulator(fit, sound, model.observation, direct);
+    EXPECT_NEAR(after.shift, before.shift, 1e-9);
+    EXPECT_GT(after.difference, 1);
+    EXPECT_FALSE(after.agrees());
+}
+
+TEST(EmulatorCheck, NothingToCompareIsNoAgreement) {
+    EXPECT_FALSE(EmulatorCheck{}.agrees());
+}
+
+}  // namespace
+}  // namespace loam::experiments
