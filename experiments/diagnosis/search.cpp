@@ -152,9 +152,11 @@ void test_base(Search& search, const StudiedModel& base) {
     }
 }
 
-/// Places of the probes that lead, best first, and of those that their fingerprint cannot rule out.
+/// Places of the probes to try: those that lead, best first, and before them those that their fingerprint
+/// cannot rule out, as only what has been tried can leave others no chance.
 std::vector<std::size_t> leading(const Search& search, const Settings& base) {
     const int most = base.diagnosis.leaders;
+    const auto beyond = [&](std::size_t k) { return is_beyond_fingerprints(*search.probes[k].effect, base); };
     std::vector<std::size_t> out;
     for (std::size_t k = 0; k < search.probes.size(); ++k)
         if (search.probes[k].explained.chi_squared >= thresholds::least_explained &&
@@ -164,8 +166,8 @@ std::vector<std::size_t> leading(const Search& search, const Settings& base) {
                              [&](std::size_t k) { return search.probes[k].explained.chi_squared; });
     out.resize(std::min(out.size(), static_cast<std::size_t>(most)));
     for (std::size_t k = 0; k < search.probes.size(); ++k)
-        if (is_beyond_fingerprints(*search.probes[k].effect, base) && std::ranges::find(out, k) == out.end())
-            out.push_back(k);
+        if (beyond(k) && std::ranges::find(out, k) == out.end()) out.push_back(k);
+    std::ranges::stable_partition(out, beyond);
     return out;
 }
 
