@@ -22,6 +22,11 @@ namespace {
 constexpr double check_fraction = 0.25;
 constexpr double rebuild_fraction = 0.7;
 
+// Of the moments of inertia over those of solid spheres, where they are scaled. On 12 packings of 700 with
+// rolling resistance, whose spins ask for 5, inertia of 2.5 moved the mean settlement of direct shear by 0.8
+// to 1.5 % of the largest one, and triaxial curves by 0.3 %; 5 moved them twice as far.
+constexpr double largest_spin_inertia = 2.5;
+
 /// Adds the time between laps to the parts of the step; idle without them.
 class Stopwatch {
   public:
@@ -80,7 +85,6 @@ Simulation::Simulation(const Packing& packing, const ContactLaw& law, const Simu
                          volume * options_.grain_density * std::max(1.0, std::pow(time_step_radius_ / r, 2));
         const Eigen::Vector3d x = packing.centres.col(at);
         particles_[p] = {{x.x(), x.y(), x.z()}, r, {0, 0, 0}, 1.0 / mass};
-        if (options_.free_rotation) spins_[p].inverse_inertia = 2.5 / (mass * r * r);
         solid_volume_ += volume;
         sum += r;
         smallest = std::min(smallest, r);
@@ -105,7 +109,19 @@ void Simulation::set_law(const ContactLaw& law) {
     pairs_.further.resize(composition_.history);
     for (auto& values : pairs_.further) values.resize(pairs_.padded());  // new history starts at zero
     walls_.set_history(composition_.history);
+    if (options_.free_rotation) set_spin_inertia();
     set_time_step();
+}
+
+void Simulation::set_spin_inertia() {
+    const WaveModuli modulus = wave_moduli(law_, composition_, time_step_overlap_);
+    spin_inertia_ = options_.density_scaling
+                        ? std::clamp(modulus.turning / modulus.moving, 1.0, largest_spin_inertia)
+                        : 1.0;
+    for (std::size_t p = 0; p < count_; ++p) {
+        const double r = particles_[p].radius;
+        spins_[p].inverse_inertia = 2.5 * particles_[p].inverse_mass / (spin_inertia_ * r * r);
+    }
 }
 
 std::size_t Simulation::cement_contacts() {
@@ -123,8 +139,9 @@ std::size_t Simulation::cement_contacts() {
 /// The time of a p-wave across the smallest particle that is not made heavier, times the safety factor
 /// (Smilauer et al. 2015).
 void Simulation::set_time_step() {
+    const WaveModuli modulus = wave_moduli(law_, composition_, time_step_overlap_);
     dt_ = options_.time_step_safety * time_step_radius_ *
-          std::sqrt(options_.grain_density / wave_modulus(law_, composition_, time_step_overlap_));
+          std::sqrt(options_.grain_density / std::max(modulus.moving, modulus.turning / spin_inertia_));
 }
 
 /// Hertzian contacts stiffen with their overlap: the time step is made for twice the largest one, and made

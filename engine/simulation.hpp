@@ -20,7 +20,7 @@ struct SimulationOptions {
     double damping = 0.4;           // Cundall's local damping
     double grain_density = 2600.0;  // kg/m³
     // Makes particles smaller than the mean as heavy as its time step demands, so that the smallest does not
-    // set it: harmless where motion is quasi-static.
+    // set it, and their moments of inertia so large that spins do not: harmless where motion is quasi-static.
     bool density_scaling = false;
     double time_step_safety = 0.7;  // over min R sqrt(rho/E), E as the law needs it (composition.hpp)
     double neighbour_skin = 0.13;   // gap over R_i + R_j up to which a pair is listed
@@ -136,6 +136,7 @@ class Simulation {
     std::vector<ContactView> contacts() const;  // of the last step
 
   private:
+    void set_spin_inertia();
     void set_time_step();
     void follow_stiffness();
     void step(Measure measure);
@@ -171,6 +172,7 @@ class Simulation {
     Eigen::Matrix3d cell_, gradient_ = Eigen::Matrix3d::Zero();
     double reference_volume_ = 0;   // 0: the cell's
     double time_step_radius_ = 0;   // of the particle that the time step is made for (m)
+    double spin_inertia_ = 1;       // moments of inertia over those of solid spheres
     double time_step_overlap_ = 0;  // over R_i + R_j, that the time step is made for
     double dt_ = 0, solid_volume_ = 0, mean_diameter_ = 0, smallest_diameter_ = 0, largest_diameter_ = 0;
     std::uint64_t steps_ = 0, rebuilds_ = 0;

@@ -184,7 +184,7 @@ Composition compose(const ContactLaw& law, double grain_density, bool free_rotat
     return out;
 }
 
-double wave_modulus(const ContactLaw& law, const Composition& composition, double overlap) {
+WaveModuli wave_moduli(const ContactLaw& law, const Composition& composition, double overlap) {
     const LawNumbers& n = composition.numbers;
     const bool hertzian = std::holds_alternative<HertzMindlin>(law.base);
     const double linear =
@@ -199,10 +199,9 @@ double wave_modulus(const ContactLaw& law, const Composition& composition, doubl
     // found where packings of linear springs cease to come to rest (ratios 0.05 to 1, 3 to 11.5 contacts a
     // sphere).
     const double ratio = n.stiffness_ratio > 0 ? n.stiffness_ratio : n.shear_modulus / n.normal_modulus;
-    const double moving = modulus * (0.4 + 0.6 * ratio),
-                 turning = turns ? modulus * 1.8 * ratio * (1 + n.rolling_stiffness) : 0.0;
     // The bridge's force changes fastest where the grains touch.
-    return std::max(moving * n.plastic_stiffening + n.bridge_force / n.bridge_length, turning);
+    return {modulus * (0.4 + 0.6 * ratio) * n.plastic_stiffening + n.bridge_force / n.bridge_length,
+            turns ? modulus * 1.8 * ratio * (1 + n.rolling_stiffness) : 0.0};
 }
 
 bool stiffens(const ContactLaw& law) {

@@ -24,13 +24,17 @@ struct Composition {
 /// Effects of strength 0 are left out, so that the base law remains bit for bit.
 Composition compose(const ContactLaw& law, double grain_density, bool free_rotation);
 
-/// Young modulus (Pa) that the p-wave estimate of the time step min R sqrt(rho/E) needs for this law: for
-/// springs k_n = E R between equal spheres E or, as the shear springs are soft, less; more for dashpots and
-/// for spins, whose frequency may be higher.
-/// `overlap`: largest over R_i + R_j, which only springs that stiffen depend on.
-double wave_modulus(const ContactLaw& law, const Composition& composition, double overlap);
+/// Young moduli (Pa) that the p-wave estimate of the time step min R sqrt(rho/E) needs for this law: for
+/// springs k_n = E R between equal spheres E or, as the shear springs are soft, less; more for dashpots.
+struct WaveModuli {
+    double moving = 0;   // of the spheres' positions
+    double turning = 0;  // of their spins, of solid spheres; 0 where rotation is blocked
+};
 
-/// Whether wave_modulus depends on the overlap.
+/// `overlap`: largest over R_i + R_j, which only springs that stiffen depend on.
+WaveModuli wave_moduli(const ContactLaw& law, const Composition& composition, double overlap);
+
+/// Whether wave_moduli depend on the overlap.
 bool stiffens(const ContactLaw& law);
 
 /// Elastic normal force (N, compression positive) of a pair under a law, with that of its liquid bridge.

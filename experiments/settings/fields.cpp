@@ -132,7 +132,7 @@ const std::array table{
     Field{"engine", "damping", [](Settings& s) -> Slot { return &s.engine.damping; },
           "Cundall's local damping, 1", {.lower = 0, .upper = 1, .open_upper = true}},
     Field{"engine", "density_scaling", [](Settings& s) -> Slot { return &s.engine.density_scaling; },
-          "small particles are as heavy as the mean one's time step demands"},
+          "small particles are as heavy, and spins as slow, as the mean one's time step demands"},
     Field{"engine", "time_step_safety", [](Settings& s) -> Slot { return &s.engine.time_step_safety; },
           "time step over the longest that is stable, 1", up_to_one},
     Field{"engine", "inertial_number", [](Settings& s) -> Slot { return &s.engine.inertial_number; },

@@ -29,7 +29,7 @@ struct Prior {
 /// How a simulation is run.
 struct EngineSettings {
     double damping = 0.4;             // Cundall's local damping, 0..1
-    bool density_scaling = true;      // small particles as heavy as the mean one's time step demands
+    bool density_scaling = true;      // small particles as heavy as the mean one's time step demands, spins as slow
     double time_step_safety = 0.85;   // share of the time step that is still stable
     double inertial_number = 3.5e-4;  // target while loading: sets the strain rate
     double haste = 1;                 // rates of loading over the careful ones

@@ -59,9 +59,10 @@ struct Books {
 };
 
 Books keep_books(const ContactLaw& law, bool free_rotation, double disorder, double safety, double duration,
-                 double damping = 0) {
+                 double damping = 0, bool density_scaling = false) {
     SimulationOptions how;
     how.free_rotation = free_rotation;
+    how.density_scaling = density_scaling;
     how.damping = damping;
     how.time_step_safety = safety;
     how.energy_balance = true;
@@ -130,6 +131,17 @@ TEST_P(Balance, ClosesWithSlidingFriction) {
         EXPECT_LT(books.error(), tolerance);
         EXPECT_GE(books.smallest_loss, 0);
     }
+}
+
+TEST_P(Balance, ClosesWithSlowedSpins) {
+    // Moments of inertia two and a half times those of spheres: shear springs as stiff as the normal ones ask
+    // for as much.
+    LinearCohesive law = law_with(0.31, 0);
+    law.stiffness_ratio = 1;
+    const Books books = keep_books(law, GetParam(), 1e-6, 0.005, 40, 0, true);
+    EXPECT_GT(books.sliding, 0.03 * books.effort);
+    EXPECT_LT(books.error(), 1e-6);
+    EXPECT_GE(books.smallest_loss, 0);
 }
 
 TEST_P(Balance, ErrorFallsWithTheSquareOfTheTimeStep) {

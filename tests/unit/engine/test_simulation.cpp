@@ -236,6 +236,24 @@ TEST(Rotation, FreePackingsStayFiniteAndKeepTheirMomentum) {
     }
 }
 
+TEST(Rotation, SlowedSpinsDoNotSetTheTimeStep) {
+    LinearCohesive law = elastic_law(1e7);
+    law.stiffness_ratio = 1;
+    SimulationOptions blocked, free, slowed;
+    free.free_rotation = slowed.free_rotation = slowed.density_scaling = true;
+    const auto step = [&](const ContactLaw& of, const SimulationOptions& how) {
+        return Simulation(fcc(1.0), of, how).time_step();
+    };
+    EXPECT_LT(step(law, free), 0.9 * step(law, blocked));
+    EXPECT_DOUBLE_EQ(step(law, slowed), step(law, blocked));
+    // Rolling springs add to the shear springs, at most so much that spins become 2.5 times as inert.
+    ContactLaw rolling = law;
+    rolling.rolling.friction = 0.1;
+    rolling.rolling.stiffness = 3;
+    EXPECT_NEAR(step(rolling, slowed), std::sqrt(2.5) * step(rolling, free), 1e-12);
+    EXPECT_LT(step(rolling, slowed), step(law, slowed));
+}
+
 TEST(Simulation, ExplodingPackingsEndWithAReason) {
     PackingOptions options;
     options.particles = 300;
