@@ -1,7 +1,7 @@
 // The calibration loop: design -> runs -> emulator -> fit -> direct runs at the estimate on fresh packings;
 // where they say that the emulator's error would move the posterior, or is more than a laboratory would not
 // notice, or the emulator is a large part of the uncertainty, or estimate and posterior lie apart, runs are
-// added where the posterior lies, and the loop goes round; it does so once in any case (training_design.hpp).
+// added where the posterior lies, and the loop goes round; it does so once in any case.
 // The direct runs of a round that is over train the next emulator; the last round's never do. If the emulator
 // has not become sure when the rounds end, direct runs choose among the estimates tried, and others confirm
 // the one that is chosen.

@@ -21,9 +21,8 @@ struct CalibrationTask {
     std::uint64_t place = 0;  // 0..4, of its own runs in the ensemble
     std::string title{};      // goes before what progress says
     bool chooses = true;      // by direct runs among the sets tried, if the emulator never becomes sure
-    // Another task has added runs about its posterior. An emulator trained by a design alone is not yet
-    // trusted, as direct runs at one point say too little of it: the first rounds of seven-test samples
-    // passed them, and the next moved the parameters by 1 to 1.3 standard deviations.
+    // Its runs are those of a calibration to all tests: one round of runs about its own posterior, before
+    // any direct runs, is enough.
     bool follows = false;
 };
 
