@@ -113,6 +113,8 @@ void Simulation::set_law(const ContactLaw& law) {
     set_time_step();
 }
 
+/// Solid spheres', or with density scaling as much more as spins must be slowed so that they do not set the
+/// time step. For a law and not for its time step, lest kinetic energy change on the way.
 void Simulation::set_spin_inertia() {
     const WaveModuli modulus = wave_moduli(law_, composition_, time_step_overlap_);
     spin_inertia_ = options_.density_scaling

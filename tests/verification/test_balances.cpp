@@ -134,8 +134,7 @@ TEST_P(Balance, ClosesWithSlidingFriction) {
 }
 
 TEST_P(Balance, ClosesWithSlowedSpins) {
-    // Moments of inertia two and a half times those of spheres: shear springs as stiff as the normal ones ask
-    // for as much.
+    // Moments of inertia 1.8 times those of spheres: what shear springs as stiff as the normal ones ask for.
     LinearCohesive law = law_with(0.31, 0);
     law.stiffness_ratio = 1;
     const Books books = keep_books(law, GetParam(), 1e-6, 0.005, 40, 0, true);
