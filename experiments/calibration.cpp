@@ -103,7 +103,7 @@ void add_runs(Campaign& campaign, const Calibration& c, std::vector<RunRecord>& 
 void confirm(Campaign& campaign, Calibration& c, int round, const CalibrationTask& task, int times = 1) {
     c.confirmation =
         direct_runs(campaign, campaign.space().physical(c.fit.estimate), round_number(task, round),
-                    times * campaign.settings().calibration.confirmation_packings, task.title);
+                    times * campaign.settings().calibration.confirmation_packings, task.title, task.packings);
 }
 
 /// Sums the direct runs up and appends how the emulator compares with them.
@@ -192,11 +192,13 @@ VectorXd sd_outputs(const std::vector<RunRecord>& runs) {
 }
 
 std::vector<RunRecord> direct_runs(Campaign& campaign, const VectorXd& parameters, std::uint64_t round,
-                                   int count, const std::string& title) {
+                                   int count, const std::string& title,
+                                   const std::vector<std::uint64_t>& packings) {
     std::vector<RunSpec> specs;
-    for (int k = 0; k < count; ++k)
-        specs.push_back(confirmation_spec(
-            campaign, confirmations_from + round * round_size + static_cast<std::uint64_t>(k), parameters));
+    for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k) {
+        specs.push_back(confirmation_spec(campaign, confirmations_from + round * round_size + k, parameters));
+        if (k < packings.size()) specs.back().packing_seed = packings[k];
+    }
     return campaign.run(title + "direct runs", specs);
 }
 

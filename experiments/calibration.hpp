@@ -38,9 +38,10 @@ struct Calibration {
 };
 
 /// `count` direct runs at `parameters` (SI) on packings that no emulator is trained on; `round` tells their
-/// packings from other rounds'.
+/// packings from other rounds', of which the first are `packings` where given.
 std::vector<RunRecord> direct_runs(Campaign& campaign, const Eigen::VectorXd& parameters, std::uint64_t round,
-                                   int count, const std::string& title = {});
+                                   int count, const std::string& title = {},
+                                   const std::vector<std::uint64_t>& packings = {});
 
 /// Runs the whole loop. `runs` are those to train on; what the loop adds is appended to them. Throws
 /// Interrupted, and std::runtime_error where too many runs fail.

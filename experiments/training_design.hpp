@@ -24,6 +24,9 @@ struct CalibrationTask {
     // Its runs are those of a calibration to all tests: one round of runs about its own posterior, before
     // any direct runs, is enough.
     bool follows = false;
+    // Of the direct runs, where not fresh ones: sets that are compared are compared on the same packings. No
+    // emulator may have been trained on them.
+    std::vector<std::uint64_t> packings{};
 };
 
 /// Probabilities [n x d] as coordinates of the unit cube: by the priors' quantiles, within the window.

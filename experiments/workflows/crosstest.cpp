@@ -49,11 +49,16 @@ Sets fit_sets(Campaign& campaign, RunLog& log) {
     const auto of = [](TestKind kind, std::uint64_t place, const char* title) {
         return CalibrationTask{.kinds = {kind}, .place = place, .title = title, .follows = true};
     };
-    const CalibrationTask all{.title = "joint"}, of_triaxial = of(TestKind::triaxial, 1, "triaxial"),
-                                                 of_shear = of(TestKind::direct_shear, 2, "direct shear");
+    const CalibrationTask all{.title = "joint"};
+    CalibrationTask of_triaxial = of(TestKind::triaxial, 1, "triaxial"),
+                    of_shear = of(TestKind::direct_shear, 2, "direct shear");
     std::vector<RunRecord> runs = narrowing_runs(campaign, std::array{all, of_triaxial, of_shear});
     // The joint fit goes first: its runs lie where the others' are needed too.
     ParameterSet joint = fit_set(campaign, runs, "joint", all, log);
+    for (const RunRecord& run : joint.calibration.confirmation) {
+        of_triaxial.packings.push_back(run.spec.packing_seed);
+        of_shear.packings.push_back(run.spec.packing_seed);
+    }
     ParameterSet triaxial = fit_set(campaign, runs, "triaxial", of_triaxial, log);
     ParameterSet shear = fit_set(campaign, runs, "direct_shear", of_shear, log);
     return {std::move(triaxial), std::move(shear), std::move(joint)};

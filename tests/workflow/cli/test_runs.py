@@ -14,6 +14,7 @@ import tomllib
 import unittest
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import h5py  # noqa: E402
 import validate_result  # noqa: E402
 
 PROGRAM = ""
@@ -137,6 +138,12 @@ class Crosstest(RunTest):
                           [("triaxial.csv", "deviatoric_stress"), ("triaxial.csv", "volumetric_strain"),
                            ("shear.csv", "shear_stress"), ("shear.csv", "settlement")]})
         self.assertEqual(result["verdict"]["agree"], result["verdict"]["p_value"] >= result["verdict"]["false_alarm_rate"])
+        with h5py.File(self.folder / "cross" / "ensemble.h5") as ensemble:
+            direct = [k for k, purpose in enumerate(ensemble["purpose"]) if purpose == b"confirmation"]
+            self.assertEqual(len(direct), 3)
+            self.assertEqual(len({ensemble["packing_seed"][k] for k in direct}), 1, "sets are compared on the same packings")
+            self.assertNotIn(ensemble["packing_seed"][direct[0]],
+                             [seed for k, seed in enumerate(ensemble["packing_seed"]) if k not in direct])
         again = self.cross("cross")
         self.assertEqual(again.returncode, 0, again.stderr)
         self.assertEqual(without_times(self.result("cross")), without_times(result))
