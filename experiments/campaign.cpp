@@ -152,6 +152,14 @@ EnsembleHeader make_header(const Settings& settings, const ParameterSpace& space
     return header;
 }
 
+/// The packing of the settings' file, if they name one.
+std::shared_ptr<const Specimen> given_specimen(const Settings& settings) {
+    if (settings.packing.empty()) return nullptr;
+    engine::Packing packing = load_packing(settings.packing);
+    const double porosity = packing.porosity();
+    return std::make_shared<const Specimen>(Specimen{std::move(packing), std::nullopt, porosity});
+}
+
 /// Makes a result of the stages that a run reached, if it was sound up to there; returns their number.
 double keep_reached(VirtualTestResult& result) {
     Eigen::Index reached = 0;
@@ -200,13 +208,10 @@ Campaign::Campaign(const Settings& settings, const lab_data::Sample& sample,
       grain_density_(settings.specimen.grain_density_kg_m3.value_or(
           sample.grain_density > 0 ? sample.grain_density : 2600.0)),
       measured_(sample.measured),
+      given_(given_specimen(settings)),  // before the store, so that a faulty file leaves none
       store_(folder, make_header(settings, space_, tests_, grain_density_, options)),
       log_(log) {
     for (const CampaignTest& test : tests_) outputs_ += test.outputs();
-    if (settings.packing.empty()) return;
-    engine::Packing packing = load_packing(settings.packing);
-    const double porosity = packing.porosity();
-    given_ = std::make_shared<const Specimen>(Specimen{std::move(packing), std::nullopt, porosity});
 }
 
 std::vector<CampaignCurve> Campaign::curves() const {

@@ -24,8 +24,11 @@ void report_data_set(const fs::path& path, CheckReport& report, Faults& faults) 
         report.contents.push_back(std::string(to_string(set.kind)) + ": " + std::to_string(readable) +
                                   " of " + std::to_string(set.rows.size()) + " samples readable, " +
                                   std::to_string(set.covariates.size()) + " covariates");
-    for (const DataSetRow& row : set.rows)
-        if (!row.readable()) faults.errors.push_back(std::get<UserError>(row.test));
+    for (const DataSetRow& row : set.rows) {
+        if (row.readable()) continue;
+        faults.errors.push_back(std::get<UserError>(row.test));
+        faults.errors.insert(faults.errors.end(), row.more_faults.begin(), row.more_faults.end());
+    }
 }
 
 /// By line within each file; the files in the order in which they were read.

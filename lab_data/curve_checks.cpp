@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
+#include <numeric>
 #include <sstream>
 
 namespace loam::lab_data {
@@ -13,6 +14,9 @@ constexpr double least_usual_stress = 1e3;  // Pa: below, the unit is suspect
 // Largest shear stress of soils over the pressure on them, beyond which the unit is suspect: cemented ones at
 // low pressure reach ten, soft ones some tenths.
 constexpr double largest_usual_ratio = 50, least_usual_ratio = 0.02;
+constexpr double largest_usual_stress = 1e8;  // Pa, of an oedometer
+constexpr double largest_fall =
+    0.5;  // of a column that should rise, from one reading to the next, over its range
 constexpr double sign_tolerance = 1e-3;  // strain: a first reading may be slightly negative
 constexpr const char* reverse_sign = "compression is positive: reverse the sign of the column";
 
@@ -55,12 +59,53 @@ long not_rising(const Curve& curve, const std::string& quantity) {
     return count;
 }
 
-void warn_not_rising(const Curve& curve, const std::string& quantity) {
+/// Falls that noise cannot explain: a column that runs backwards, and, unless the test may be reversed, a
+/// reading far below the one before. Whether there are any.
+bool find_falls(const Curve& curve, const std::string& quantity, bool may_reverse) {
+    const auto& values = curve.values(quantity);
+    const auto& phase = curve.test.phase;
+    const auto size = static_cast<long>(values.size());
+    if (phase.empty() && values.back() < values.front() && 2 * not_rising(curve, quantity) > size - 1) {
+        curve.error(values.size() - 1, quantity, "is below the first reading, as most of the column falls",
+                    "put the readings into the order of the test, compression positive");
+        return true;
+    }
+    const auto [least, most] = std::ranges::minmax(values);
+    for (std::size_t i = 1; i < values.size() && !may_reverse; ++i) {
+        const bool unloads = !phase.empty() && phase[i] == "unloading";
+        const double wrong_way = unloads ? values[i] - values[i - 1] : values[i - 1] - values[i];
+        if (wrong_way <= largest_fall * (most - least)) continue;
+        curve.error(i, quantity,
+                    unloads ? "rises while unloading by more than noise"
+                            : "falls from the reading before by more than noise",
+                    "correct the value, or leave the reading out");
+        return true;
+    }
+    return false;
+}
+
+/// Says what does not rise: as an error where noise cannot be why, else as a warning.
+void check_rising(const Curve& curve, const std::string& quantity, bool may_reverse = false) {
+    if (find_falls(curve, quantity, may_reverse)) return;
     const long count = not_rising(curve, quantity);
     if (count > 0)
         curve.faults.warn(curve.table.file, std::to_string(count) + " of " +
                                                 std::to_string(curve.test.size()) + " readings of " +
                                                 quantity + " do not rise; taken as noise");
+}
+
+/// Compressed by more than its pores, the specimen's void ratio would be negative.
+void check_pores(const Curve& curve, const std::string& quantity) {
+    if (!curve.test.initial_void_ratio) return;
+    const double start = *curve.test.initial_void_ratio, most = start / (1 + start);
+    const auto& values = curve.values(quantity);
+    const auto bad = std::ranges::find_if(values, [&](double value) { return value > most; });
+    if (bad == values.end()) return;
+    std::ostringstream text;
+    text << "leaves no pores: an initial void ratio of " << std::setprecision(3) << start
+         << " allows a strain of " << most;
+    curve.error(static_cast<std::size_t>(bad - values.begin()), quantity, text.str(),
+                "check the unit in the column's name, and initial_void_ratio");
 }
 
 /// The column must reach a value above zero somewhere.
@@ -122,7 +167,13 @@ void check_stages(const Curve& curve) {
 
 /// Axial strain follows from the void ratio, e = e0 - (1 + e0) strain, which gives away a wrong unit.
 void check_void_ratio(const Curve& curve) {
-    if (!curve.has("void_ratio") || !curve.test.initial_void_ratio) return;
+    if (!curve.has("void_ratio")) return;
+    const auto& all = curve.values("void_ratio");
+    const auto bad = std::ranges::find_if(all, [](double value) { return value <= 0; });
+    if (bad != all.end())
+        return curve.error(static_cast<std::size_t>(bad - all.begin()), "void_ratio", "must be above 0",
+                           "give the volume of pores over that of grains");
+    if (!curve.test.initial_void_ratio) return;
     const double start = *curve.test.initial_void_ratio;
     const auto& strain = curve.values("axial_strain");
     const auto& ratio = curve.values("void_ratio");
@@ -156,10 +207,15 @@ void check_oedometer(const Curve& curve) {
     const auto peak = static_cast<std::size_t>(std::ranges::max_element(stress) - stress.begin());
     if (strain[peak] < -sign_tolerance)
         curve.error(peak, "axial_strain", "is negative at the highest stress", reverse_sign);
+    else
+        check_positive_peak(curve, "axial_strain", "give the strain of each stage, compression positive");
     if (stress[peak] > 0 && stress[peak] < least_usual_stress)
         curve.faults.warn(curve.table.file, "the highest axial stress is below 1 kPa; is the unit right?");
+    if (stress[peak] > largest_usual_stress)
+        curve.faults.warn(curve.table.file, "the highest axial stress is above 100 MPa; is the unit right?");
     check_void_ratio(curve);
-    warn_not_rising(curve, "axial_strain");
+    check_pores(curve, "axial_strain");
+    check_rising(curve, "axial_strain");
     const long loading =
         phase.empty() ? static_cast<long>(stress.size()) : std::ranges::count(phase, "loading");
     if (loading < 4)
@@ -181,7 +237,22 @@ void check_triaxial(const Curve& curve) {
     if (std::abs(volumetric[last]) > 3 * std::abs(axial[last]) && std::abs(volumetric[last]) > 0.01)
         curve.faults.warn(curve.table.file,
                           "volumetric_strain is more than three times axial_strain; are the units right?");
-    warn_not_rising(curve, "axial_strain");
+    check_pores(curve, "volumetric_strain");
+    check_rising(curve, "axial_strain");
+}
+
+/// What the platen pressed with against what the test says.
+void check_normal_stress(const Curve& curve) {
+    if (!curve.has("normal_stress") || curve.test.normal_stress <= 0) return;
+    const auto& values = curve.values("normal_stress");
+    const double mean =
+        std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+    const double ratio = mean / curve.test.normal_stress;
+    if (ratio > 0.5 && ratio < 2) return;
+    std::ostringstream text;
+    text << column_name(curve, "normal_stress") << " is " << std::setprecision(2) << ratio
+         << " times the test's normal_stress_kPa; are the units right?";
+    curve.faults.warn(curve.table.file, text.str());
 }
 
 void check_direct_shear(const Curve& curve) {
@@ -196,7 +267,8 @@ void check_direct_shear(const Curve& curve) {
     check_positive_peak(curve, displacement, forward);
     check_positive_peak(curve, "shear_stress", forward);
     warn_of_ratio(curve, "shear_stress", curve.test.normal_stress, "normal stress");
-    warn_not_rising(curve, displacement);
+    check_normal_stress(curve);
+    check_rising(curve, displacement, true);
 }
 
 }  // namespace

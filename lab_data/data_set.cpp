@@ -160,21 +160,34 @@ DataSetRow gather_row(const Rows& rows, std::size_t row, std::vector<std::string
                       .file = rows.table.rows[row].cells[file_column],
                       .line = rows.table.rows[row].line,
                       .covariates = {},
-                      .test = Test{}};
+                      .test = Test{},
+                      .more_faults = {}};
     Faults faults;
     Test test;
     test.kind = rows.set.kind;
     test.file = result.file;
     read_settings(rows, row, test, faults);
-    if (is_inside_folder(result.file, rows.table.at(row, file_column), faults))
+    if (is_in_folder(rows.set.folder, result.file, rows.table.at(row, file_column), faults))
         read_curve(rows.set.folder / result.file, test, faults);
     if (faults.errors.empty()) {
         result.test = std::move(test);
         warnings.insert(warnings.end(), faults.warnings.begin(), faults.warnings.end());
     } else {
         result.test = faults.errors.front();
+        result.more_faults.assign(faults.errors.begin() + 1, faults.errors.end());
     }
     return result;
+}
+
+/// A setting with a wrong letter would be a covariate, and every sample would have the default instead.
+void warn_of_near_setting(const Rows& rows, const std::string& name, Faults& faults) {
+    std::vector<std::string_view> valid{"measurement_sd"};
+    for (const Setting& setting : settings())
+        if (setting.applies_to(rows.set.kind)) valid.push_back(setting.name);
+    const auto near = nearest_name(name, valid);
+    if (near && *near != name && !rows.column(*near))
+        faults.warn(rows.table.file,
+                    "column '" + name + "' is taken as a covariate; did you mean '" + *near + "'?");
 }
 
 void read_rows(const Rows& rows, DataSet& set, Faults& faults) {
@@ -185,6 +198,7 @@ void read_rows(const Rows& rows, DataSet& set, Faults& faults) {
     for (std::size_t column = 0; column < rows.table.header.size(); ++column) {
         const std::string& name = rows.table.header[column];
         if (name.empty() || name == "sample" || name == "file") continue;
+        warn_of_near_setting(rows, name, faults);
         set.covariates.push_back(name);
         auto covariates = read_covariate(rows.table, column, faults);
         for (std::size_t row = 0; row < set.rows.size(); ++row)

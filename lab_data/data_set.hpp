@@ -15,11 +15,12 @@ namespace loam::lab_data {
 using Covariate = std::variant<std::monostate, double, std::string>;
 
 struct DataSetRow {
-    std::string name;                    // of the sample
-    std::string file;                    // of its curve, as written
-    int line = 0;                        // in samples.csv
-    std::vector<Covariate> covariates;   // one for each of DataSet::covariates
-    std::variant<Test, UserError> test;  // the curve, or why it cannot be used
+    std::string name;                         // of the sample
+    std::string file;                         // of its curve, as written
+    int line = 0;                             // in samples.csv
+    std::vector<Covariate> covariates;        // one for each of DataSet::covariates
+    std::variant<Test, UserError> test;       // the curve, or why it cannot be used
+    std::vector<UserError> more_faults = {};  // beside that
 
     bool readable() const { return std::holds_alternative<Test>(test); }
 };

@@ -52,11 +52,15 @@ std::string number_remedy(std::string_view text) {
     const std::string minus_sign =
         replaced(text, "\xe2\x88\x92", "-");  // U+2212, as typesetting programs write it
     if (parse_number(minus_sign)) return "write " + minus_sign + " with a plain hyphen as minus sign";
-    const std::string with_point = replaced(text, ",", ".");
+    const std::string with_point = replaced(text, ",", "."), without = replaced(text, ",", "");
+    const bool may_be_thousands = text.size() > 4 && text[text.size() - 4] == ',' && text.front() != '0';
+    if (with_point != text && parse_number(with_point) && may_be_thousands)
+        return "write " + without + " without separators of thousands, or " + with_point +
+               " if the comma is a decimal one";
     if (with_point != text && parse_number(with_point))
         return "write " + with_point + " with a decimal point, and no separators of thousands";
-    if (replaced(text, ",", "") != text && parse_number(replaced(text, ",", "")))
-        return "write " + replaced(text, ",", "") + " without separators of thousands";
+    if (without != text && parse_number(without))
+        return "write " + without + " without separators of thousands";
     if (parse_number(replaced(text, " ", ""))) return "write " + replaced(text, " ", "") + " without spaces";
     if (text.ends_with('%') && parse_number(text.substr(0, text.size() - 1)))
         return "leave out the percent sign and end the name with _percent";

@@ -61,7 +61,7 @@ void read_soil(const TomlTable& root, const fs::path& path, Sample& sample, Faul
     const TomlTable soil(*table, file, line_of(*table), faults);
     soil.allow_only(soil_keys);
     read_density(soil, sample, faults);
-    if (const toml::table* properties = soil.subtable("properties"))
+    if (const toml::table* properties = soil.subtable("properties", "soil.properties"))
         read_properties(*properties, file, sample, faults);
     const std::string grading = soil.text("grading");
     if (soil.has("grading") && soil.node("grading")->is_string() &&

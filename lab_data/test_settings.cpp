@@ -122,6 +122,12 @@ void apply_measurement_sd(std::string_view name, double value, Test& test, const
     const auto channel = std::ranges::find_if(channels, [&](const Channel& candidate) {
         return candidate.kind == test.kind && candidate.quantity.name == named->quantity->name;
     });
+    if (test.measurement_sd.contains(std::string(named->quantity->name))) {
+        fault.constraint = "is of a channel that has one already";
+        fault.remedy = "give one standard deviation for each channel";
+        faults.error(fault);
+        return;
+    }
     const double si = named->unit->to_si(value);
     if (si > 0 && si <= channel->upper) {
         test.measurement_sd[std::string(named->quantity->name)] = si;

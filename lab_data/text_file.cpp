@@ -56,23 +56,7 @@ Fault not_text(const fs::path& path, std::string_view text, std::size_t at) {
     return fault;
 }
 
-}  // namespace
-
-std::string missing_file_remedy(const fs::path& path) {
-    const fs::path whole = path.filename().empty() ? path.parent_path() : path;  // without a slash at the end
-    const fs::path parent = whole.parent_path().empty() ? fs::path(".") : whole.parent_path();
-    std::vector<std::string> names;
-    std::error_code error;
-    for (fs::directory_iterator entry(parent, error), end;
-         !error && entry != end && names.size() < most_names; entry.increment(error))
-        names.push_back(entry->path().filename().string());
-    std::ranges::sort(names);
-    const std::vector<std::string_view> views(names.begin(), names.end());
-    if (const auto nearest = nearest_name(whole.filename().string(), views))
-        return "did you mean '" + *nearest + "'?";
-    return "put it into its folder or correct the name";
-}
-
+/// Whether the name stays inside its folder.
 bool is_inside_folder(const std::string& file, const Fault& where, Faults& faults) {
     Fault fault = where;
     fault.value = file;
@@ -96,14 +80,34 @@ bool is_inside_folder(const std::string& file, const Fault& where, Faults& fault
     return false;
 }
 
+}  // namespace
+
+std::string missing_file_remedy(const fs::path& path) {
+    const fs::path whole = path.filename().empty() ? path.parent_path() : path;  // without a slash at the end
+    const fs::path parent = whole.parent_path().empty() ? fs::path(".") : whole.parent_path();
+    std::vector<std::string> names;
+    std::error_code error;
+    for (fs::directory_iterator entry(parent, error), end;
+         !error && entry != end && names.size() < most_names; entry.increment(error))
+        if (entry->path().filename() != whole.filename())  // a link to nothing is there and is not
+            names.push_back(entry->path().filename().string());
+    std::ranges::sort(names);
+    const std::vector<std::string_view> views(names.begin(), names.end());
+    if (const auto nearest = nearest_name(whole.filename().string(), views))
+        return "did you mean '" + *nearest + "'?";
+    return "put it into its folder or correct the name";
+}
+
 bool is_in_folder(const fs::path& folder, const std::string& file, const Fault& where, Faults& faults) {
     if (!is_inside_folder(file, where, faults)) return false;
     std::error_code error;
-    if (fs::status(folder / file, error).type() != fs::file_type::not_found) return true;
+    const fs::file_type type = fs::status(folder / file, error).type();
+    const bool is_folder = type == fs::file_type::directory;
+    if (!is_folder && type != fs::file_type::not_found) return true;
     Fault fault = where;
     fault.value = file;
-    fault.constraint = "does not exist";
-    fault.remedy = missing_file_remedy(folder / file);
+    fault.constraint = is_folder ? "is a folder" : "does not exist";
+    fault.remedy = is_folder ? "name a file in it" : missing_file_remedy(folder / file);
     faults.error(fault);
     return false;
 }

@@ -13,10 +13,9 @@ namespace loam::lab_data {
 /// A remedy for a path that does not exist: the nearest name beside it.
 std::string missing_file_remedy(const std::filesystem::path& path);
 
-/// Whether `file`, a name written in a file that `where` points at, stays inside its folder: relative,
-/// without "..", without control characters. Reports a fault and gives false if not.
-bool is_inside_folder(const std::string& file, const Fault& where, Faults& faults);
-/// Whether it is there, moreover.
+/// Whether `file`, a name written in a file that `where` points at, is a file inside its folder: relative,
+/// without "..", without control characters, there, and no folder itself. Reports a fault and gives false if
+/// not.
 bool is_in_folder(const std::filesystem::path& folder, const std::string& file, const Fault& where,
                   Faults& faults);
 

@@ -14,32 +14,23 @@ namespace loam::lab_data {
 namespace {
 
 constexpr std::size_t largest_toml = 256u << 10;
-constexpr int deepest_key = 16;
+
+bool is_quote(char c) {
+    return c == '"' || c == '\'';
+}
 
 bool is_key_byte(char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
-           c == '-' || c == '"' || c == '\'';
+           c == '-' || is_quote(c);
 }
 
-/// The line of the first dotted key of more than deepest_key parts (a.b.c...), or 0. The parser makes nested
-/// tables of it without a limit, and destroying them takes stack for each.
-int line_of_deep_key(std::string_view text) {
-    int line = 1, dots = 0;
-    char last = ' ';  // last byte that is no blank
-    bool blank = false;
-    for (const char c : text) {
-        if (c == '\n') ++line;
-        if (c == ' ' || c == '\t') {
-            blank = true;
-            continue;
-        }
-        const bool goes_on = (c == '.' && is_key_byte(last)) || (is_key_byte(c) && (last == '.' || !blank));
-        dots = goes_on ? dots + (c == '.') : 0;
-        if (dots >= deepest_key) return line;
-        last = c;
-        blank = false;
+/// Where the quotes that open at `at` close on the same line; `at` itself if they do not.
+std::size_t end_of_quotes(std::string_view text, std::size_t at) {
+    for (std::size_t i = at + 1; i < text.size() && text[i] != '\n'; ++i) {
+        if (text[i] == text[at]) return i;
+        if (text[at] == '"' && text[i] == '\\') ++i;
     }
-    return 0;
+    return at;
 }
 
 /// The fewest digits that give the number back; nearly always what was written.
@@ -77,14 +68,37 @@ std::string syntax_remedy(std::string_view line, std::string_view description) {
 
 }  // namespace
 
+std::optional<Fault> fault_of_deep_key(std::string_view text, const std::string& file) {
+    constexpr int deepest_key = 16;
+    int line = 1, dots = 0;
+    char last = ' ';  // last byte that is no blank
+    bool blank = false;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        const char c = text[i];
+        if (c == '\n') ++line;
+        if (c == ' ' || c == '\t') {
+            blank = true;
+            continue;
+        }
+        if (is_quote(c)) i = end_of_quotes(text, i);  // a part of a key, whatever it holds
+        const bool goes_on = (c == '.' && is_key_byte(last)) || (is_key_byte(c) && (last == '.' || !blank));
+        dots = goes_on ? dots + (c == '.') : 0;
+        if (dots >= deepest_key)
+            return Fault{.file = file,
+                         .line = line,
+                         .constraint = "has a key of more than " + std::to_string(deepest_key) + " parts",
+                         .remedy = "use the keys of the format, which have few parts"};
+        last = c;
+        blank = false;
+    }
+    return std::nullopt;
+}
+
 std::optional<toml::table> parse_toml(const std::filesystem::path& path, Faults& faults) {
     const auto text = read_text(path, largest_toml, faults);
     if (!text) return std::nullopt;
-    if (const int line = line_of_deep_key(*text); line > 0) {
-        faults.error({.file = path.string(),
-                      .line = line,
-                      .constraint = "has a key of more than " + std::to_string(deepest_key) + " parts",
-                      .remedy = "use the keys of the format, which have two at most"});
+    if (auto fault = fault_of_deep_key(*text, path.string())) {
+        faults.error(std::move(*fault));
         return std::nullopt;
     }
     try {
@@ -186,11 +200,13 @@ std::optional<bool> TomlTable::boolean(std::string_view key) const {
     return std::nullopt;
 }
 
-const toml::table* TomlTable::subtable(std::string_view key) const {
+const toml::table* TomlTable::subtable(std::string_view key, std::string_view path) const {
     const toml::node* value = table_.get(key);
     if (!value) return nullptr;
     if (const toml::table* table = value->as_table()) return table;
-    wrong_type(key, "a table", "write [" + std::string(key) + "] on a line of its own and its keys below");
+    wrong_type(
+        key, "a table",
+        "write [" + std::string(path.empty() ? key : path) + "] on a line of its own and its keys below");
     return nullptr;
 }
 

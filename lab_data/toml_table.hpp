@@ -17,6 +17,10 @@ namespace loam::lab_data {
 /// KiB.
 std::optional<toml::table> parse_toml(const std::filesystem::path& path, Faults& faults);
 
+/// The first dotted key of more than 16 parts (a.b.c...), if there is one. The parser makes nested tables of
+/// it without a limit, and destroying them takes stack for each.
+std::optional<Fault> fault_of_deep_key(std::string_view text, const std::string& file);
+
 /// A table of a file. The reading functions report a value of another type, and give what absence would give.
 class TomlTable {
   public:
@@ -38,7 +42,8 @@ class TomlTable {
     std::string needed_text(std::string_view key, const std::string& remedy) const;
     std::optional<double> number(std::string_view key) const;
     std::optional<bool> boolean(std::string_view key) const;
-    const toml::table* subtable(std::string_view key) const;
+    /// `path`: how a header names it, where it is no table of the root.
+    const toml::table* subtable(std::string_view key, std::string_view path = {}) const;
 
     /// Reports every key that is not one of `valid`.
     void allow_only(std::span<const std::string_view> valid) const;

@@ -110,7 +110,8 @@ class VerbParser {
                         "a parameter in SI, by name, held fixed; may be repeated (see `loam effects`)")
             ->type_name("NAME=VALUE")
             ->expected(1)
-            ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+            ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+            ->allow_extra_args(false);
     }
 
     void add_plain() {
@@ -144,8 +145,10 @@ class VerbParser {
                 {std::string(verb_.name == "bench" ? "benchmark" : "sample"), argument_});
         for (const Field& field : fields()) {
             if (field.option.empty() || app_.count(option_name(field.key)) == 0) continue;
-            command.overrides.push_back(
-                {std::string(field.key), field.option == "flag" ? "true" : values_.at(field.key)});
+            const bool is_flag = field.option == "flag";
+            command.overrides.push_back({std::string(field.key), !is_flag ? values_.at(field.key)
+                                                                 : flags_.at(field.key) ? "true"
+                                                                                        : "false"});
         }
         for (const std::string& text : fixed_) command.overrides.push_back({"set", text});
         return command;

@@ -3,6 +3,7 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -37,6 +38,12 @@ int run(const std::vector<std::string>& words) {
 
 constexpr const char* unwritable = "standard output could not be written";
 
+/// Whether a path itself is at fault, not what lies there.
+bool is_of_the_name(const std::error_code& code) {
+    return code == std::errc::filename_too_long || code == std::errc::too_many_symbolic_link_levels ||
+           code == std::errc::not_a_directory;
+}
+
 int report(const char* reason, int status) {
     std::fprintf(stderr, "loam: %s\n", reason);
     return status;
@@ -54,6 +61,12 @@ int run_program(int argc, const char* const* argv) {
         return report(error.what(), input_at_fault);
     } catch (const Interrupted& interrupted) {
         return report(interrupted.what(), Interrupted::exit_status);
+    } catch (const std::filesystem::filesystem_error& error) {
+        if (!is_of_the_name(error.code())) return report(error.what(), failed);
+        const lab_data::UserError at_fault({.file = error.path1().string(),
+                                            .constraint = error.code().message(),
+                                            .remedy = "give another path"});
+        return report(at_fault.what(), input_at_fault);
     } catch (const std::bad_alloc&) {
         return report("out of memory; fewer --jobs or --particles need less", failed);
     } catch (const std::exception& error) {

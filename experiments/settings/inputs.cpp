@@ -94,13 +94,23 @@ void check_tests(Draft& draft, const lab_data::Sample& sample) {
     for (const std::string_view kind : crossed_kinds)
         if (crossed && !contains(fitted, kind))
             throw fault_at({.name = "sample"}, settings.sample.string(),
-                           fmt::format("has no {} test to fit", kind),
-                           "crosstest compares triaxial and direct shear tests of one sample");
+                           fmt::format("has no {} test to fit{}", kind,
+                                       contains(there, kind) ? ", as options leave it out" : ""),
+                           contains(there, kind)
+                               ? "leave --tests out, and hold out fewer tests"
+                               : "crosstest compares triaxial and direct shear tests of one sample");
     for (const std::string& kind : settings.tests) {
         if (!contains(there, kind))
             throw fault_at(origin, kind, fmt::format("is not among the tests of the sample {}", sample.name),
                            "see loam check SAMPLE");
     }
+    for (const lab_data::Test& test : sample.tests)
+        if (contains(settings.hold_out, test.file) && !settings.tests.empty() &&
+            !contains(settings.tests, to_string(test.kind)))
+            throw fault_at(
+                origin_of(draft.origins, "hold_out"), test.file,
+                fmt::format("is of kind {}, which is not among the tests asked for", to_string(test.kind)),
+                "add its kind to tests, or leave it out");
     if ((settings.verb == "calibrate" || settings.verb == "diagnose") && fitted.empty())
         throw fault_at(origin_of(draft.origins, "hold_out"), "", "leaves no test to fit", "hold out fewer");
 }
@@ -154,6 +164,11 @@ std::string resolve_data_set(Draft& draft) {
         if (is_given)
             throw fault_at(origin_of(draft.origins, option), "", "has no meaning for a data set",
                            "leave it out");
+    for (const std::string& kind : settings.tests)
+        if (kind != to_string(set.kind))
+            throw fault_at(origin_of(draft.origins, "tests"), kind,
+                           fmt::format("is not the kind of the data set {}", set.name),
+                           fmt::format("its tests are of kind {}: leave it out", to_string(set.kind)));
     set.folder = fs::absolute(set.folder).lexically_normal();
     settings.sample = fs::weakly_canonical(settings.sample);
     settings.inputs_digest = digest_of_inputs(set);

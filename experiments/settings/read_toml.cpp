@@ -7,6 +7,7 @@
 #include "experiments/settings/conversion.hpp"
 #include "experiments/settings/reading.hpp"
 #include "lab_data/nearest_name.hpp"
+#include "lab_data/toml_table.hpp"
 
 namespace loam::experiments {
 namespace {
@@ -187,6 +188,7 @@ class TomlReader {
 }  // namespace
 
 void read_toml(Draft& draft, std::string_view text, const std::filesystem::path& file) {
+    if (auto fault = lab_data::fault_of_deep_key(text, file.string())) throw UserError(std::move(*fault));
     try {
         TomlReader(draft, file).read(toml::parse(text, file.string()));
     } catch (const toml::parse_error& error) {

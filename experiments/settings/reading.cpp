@@ -1,5 +1,7 @@
 #include "experiments/settings/reading.hpp"
 
+#include <algorithm>
+
 #include "experiments/output/file_descriptor.hpp"
 #include "experiments/settings/conversion.hpp"
 #include "experiments/settings/inputs.hpp"
@@ -39,6 +41,14 @@ int usual_runs(const Settings& settings) {
     return settings.verb == "diagnose" ? std::min(runs, most_of_a_diagnosis) : runs;
 }
 
+/// The effect `rotation` frees what a setting has blocked, if that was stated.
+void demand_free_rotation(const Settings& settings, const Origins& origins) {
+    const bool frees = std::ranges::find(settings.effects, "rotation") != settings.effects.end();
+    if (frees && settings.rotation == "blocked" && origins.contains("rotation"))
+        throw fault_at(origin_of(origins, "rotation"), "blocked", "contradicts the effect rotation",
+                       "leave one of the two out");
+}
+
 }  // namespace
 
 void read_override(Draft& draft, const Override& given) {
@@ -52,6 +62,7 @@ void read_override(Draft& draft, const Override& given) {
 
 Settings complete(const Draft& draft) {
     Settings settings = draft.settings;
+    demand_free_rotation(settings, draft.origins);
     free_rotation_where_it_is_an_effect(settings);
     // An unknown law has no priors to complete; validate() says so.
     if (engine::find_law(settings.law)) complete_priors(settings, draft);

@@ -35,6 +35,15 @@ bool holds_other_things(const fs::path& folder) {
     return false;
 }
 
+/// Whether a run was begun in the folder but came to no simulation: its input was at fault.
+bool came_to_nothing(const fs::path& folder) {
+    for (const auto& entry : fs::directory_iterator(folder)) {
+        const std::string name = entry.path().filename().string();
+        if (name != "config.toml" && name != "log.txt" && !name.starts_with('.')) return false;
+    }
+    return true;
+}
+
 void demand_same_settings(const fs::path& configuration, const Settings& now) {
     const Settings stored = read_configuration(configuration);
     const std::string path = first_difference(stored, now);
@@ -64,15 +73,16 @@ RunFolder::RunFolder(const Settings& settings) : path_(settings.out) {
     lock_ = lock_folder(path_);
     const fs::path configuration = file("config.toml");
     resumed_ = fs::exists(configuration);
-    if (resumed_) {
+    if (resumed_ && !came_to_nothing(path_)) {
         demand_same_settings(configuration, settings);
         return;
     }
-    if (holds_other_things(path_))
+    if (!resumed_ && holds_other_things(path_))
         throw UserError({.column = "--out",
                          .value = path_.string(),
                          .constraint = "holds files but no config.toml, so it is not the folder of a run",
                          .remedy = "give a new or an empty folder"});
+    resumed_ = false;
     write_file_atomically(configuration, to_toml(settings));
 }
 

@@ -11,9 +11,9 @@ namespace loam::experiments {
 
 class RunFolder {
   public:
-    /// Makes or reopens settings.out. A new folder gets config.toml; one that holds a run must have been made
-    /// with the same settings. Throws UserError if it cannot be written, is in use, belongs to other
-    /// settings, or is a folder of something else; StorageError if the disk is full.
+    /// Makes or reopens settings.out. A new folder gets config.toml; one that holds simulations must have
+    /// been made with the same settings. Throws UserError if it cannot be written, is in use, belongs to
+    /// other settings, or is a folder of something else; StorageError if the disk is full.
     explicit RunFolder(const Settings& settings);
 
     const std::filesystem::path& path() const { return path_; }

@@ -48,8 +48,14 @@ CheckReport check_configuration(const std::filesystem::path& file) {
         const Settings settings = read_configuration(file);
         if (!settings.sample.empty()) {
             report = lab_data::check(settings.sample);
-            if (report.kind == PathKind::sample) add_tests(settings, settings.sample, report);
+            const bool is_sample = report.kind == PathKind::sample;
+            if (is_sample) add_tests(settings, settings.sample, report);
             report.kind = PathKind::other_file;
+            // What a run would refuse, of the verb that the configuration is for.
+            const std::string verb = !settings.verb.empty() ? settings.verb
+                                     : is_sample            ? "calibrate"
+                                                            : "bulk";
+            if (report.sound() && verb != "bench") read_settings(verb, file, {});
         }
         report.contents.insert(
             report.contents.begin(),
@@ -85,13 +91,25 @@ void print_text(const CheckReport& report, bool quiet) {
     for (const std::string& line : report.contents) fmt::print("  {}\n", line);
 }
 
+/// Whatever lies at the path.
+CheckReport check_path(const std::filesystem::path& path) {
+    const bool is_configuration = lab_data::kind_of(path) == PathKind::other_file;
+    CheckReport report = is_configuration ? check_configuration(path) : lab_data::check(path);
+    if (report.kind == PathKind::sample) add_tests(Settings{}, path, report);
+    return report;
+}
+
 }  // namespace
 
 int run_check(const PlainArguments& arguments) {
-    const bool is_configuration = lab_data::kind_of(arguments.path) == PathKind::other_file;
-    CheckReport report =
-        is_configuration ? check_configuration(arguments.path) : lab_data::check(arguments.path);
-    if (report.kind == PathKind::sample) add_tests(Settings{}, arguments.path, report);
+    CheckReport report;
+    report.kind = PathKind::other_file;
+    try {
+        report = check_path(arguments.path);
+    } catch (const UserError& error) {
+        if (!arguments.json) throw;
+        report.errors.push_back(error);
+    }
     if (arguments.json)
         print_json(report);
     else

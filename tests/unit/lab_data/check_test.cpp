@@ -73,13 +73,16 @@ TEST(Check, CountsWhatRepeatsItself) {
 TEST(Check, ReportsTheUnreadableSamplesOfADataSet) {
     const TemporaryFolder folder;
     folder.write("dataset.toml", "name = \"d\"\nkind = \"oedometer\"\nsource = \"s\"\nlicence = \"l\"\n");
-    folder.write("samples.csv", "sample,file\nA,a.csv\nB,b.csv\n");
+    folder.write("samples.csv", "sample,file\nA,a.csv\nB,b.csv\nC,c.csv\n");
+    folder.write("c.csv", "axial_stress_kPa,axial_strain\n15,x\n29,y\n");
     folder.write("a.csv", "axial_stress_kPa,axial_strain\n15,0.001\n29,0.002\n");
     const CheckReport report = check(folder.path());
     EXPECT_EQ(report.contents,
-              (std::vector<std::string>{"oedometer: 1 of 2 samples readable, 0 covariates"}));
-    ASSERT_EQ(report.errors.size(), 1u);
-    EXPECT_EQ(report.errors[0].file(), (folder.path() / "b.csv").string());
+              (std::vector<std::string>{"oedometer: 1 of 3 samples readable, 0 covariates"}));
+    ASSERT_EQ(report.errors.size(), 3u);
+    EXPECT_EQ(report.errors[0].file(), (folder.path() / "samples.csv").string());
+    EXPECT_EQ(report.errors[0].line(), 3);
+    EXPECT_EQ(report.errors[2].line(), 3) << "every fault of a curve is told";
 }
 
 }  // namespace

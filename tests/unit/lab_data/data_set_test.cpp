@@ -69,7 +69,9 @@ TEST(ReadDataSet, ReturnsAnUnreadableSampleWithItsReason) {
     const DataSet set = read(files);
     ASSERT_EQ(set.rows.size(), 3u);
     const auto reason = [&](std::size_t row) { return std::get<UserError>(set.rows[row].test); };
-    EXPECT_NE(reason(0).file().find("curves/a.csv"), std::string::npos);
+    EXPECT_NE(reason(0).file().find("samples.csv"), std::string::npos);
+    EXPECT_EQ(reason(0).line(), 2);
+    EXPECT_EQ(reason(0).value(), "curves/a.csv");
     EXPECT_EQ(reason(0).constraint(), "does not exist");
     EXPECT_EQ(reason(1).line(), 4);
     EXPECT_EQ(reason(1).column(), "axial_strain_percent");
@@ -105,6 +107,14 @@ TEST(ReadDataSet, WarnsOfAColumnThatIsNearlyNumbers) {
     EXPECT_EQ(std::get<std::string>(set.rows[0].covariates[2]), "10");
     ASSERT_EQ(set.warnings.size(), 1u);
     EXPECT_NE(set.warnings[0].find("samples.csv:4: column 'depth_cm' is taken as labels"), std::string::npos);
+}
+
+TEST(ReadDataSet, WarnsOfAColumnThatIsNearlyASetting) {
+    Files files = sound_data_set();
+    files["samples.csv"] = replaced(files["samples.csv"], "initial_void_ratio", "initial_voidratio");
+    const DataSet set = read(files);
+    ASSERT_EQ(set.warnings.size(), 1u);
+    EXPECT_NE(set.warnings[0].find("did you mean 'initial_void_ratio'?"), std::string::npos);
 }
 
 TEST(ReadDataSet, ThrowsForItsOwnFaults) {

@@ -52,6 +52,16 @@ std::vector<Case> toml_cases() {
          "close the double quotes"},
         {"no_value", edit(toml, "= 2650", "="), toml, 6, "", "not valid TOML", "write a value"},
         {"decimal_comma_in_toml", edit(toml, "= 0.8", "= 0,8"), toml, 14, "", "not valid TOML", "write 0.8"},
+        {"deep_key_in_quotes",
+         [](Files& f) {
+             for (int k = 0; k < 40'000; ++k) f[toml] += k ? ".\"$\"" : "\"$\"";
+         },
+         toml, 25, "", "more than 16 parts", "use the keys of the format"},
+        {"sd_twice",
+         edit(toml, "cell_pressure_kPa = 100",
+              "cell_pressure_kPa = 100\nmeasurement_sd = {deviatoric_stress_kPa = 2, deviatoric_stress_Pa = "
+              "2}"),
+         toml, 19, "deviatoric_stress_kPa", "has one already", "one standard deviation"},
         {"key_twice", edit(toml, "measured = false", "name = \"other\""), toml, 4, "", "not valid TOML",
          "remove one of the two"},
         {"open_header", edit(toml, "[soil]", "[soil"), toml, 5, "", "not valid TOML", "[name]"},
@@ -141,7 +151,7 @@ std::vector<Case> toml_cases() {
              for (int i = 0; i < 50000; ++i) key += ".a";
              f[toml] += key + " = 1\n";
          },
-         toml, 25, "", "key of more than", "two at most"},
+         toml, 25, "", "key of more than", "use the keys"},
         {"deep_value", [](Files& f) { f[toml] += "notes = " + std::string(100000, '['); }, toml, 25, "",
          "not valid TOML", ""},
         {"binary_toml", write(toml, std::string("name\0= 1", 8)), toml, 1, "", "binary", "text file"},
@@ -161,7 +171,7 @@ std::vector<Case> table_cases() {
              f["oedometer.csv/inside"] = "";
              f.erase(oedometer);
          },
-         oedometer, 0, "", "is a folder", "name a file"},
+         toml, 13, "file", "is a folder", "name a file"},
         {"empty_file", write(oedometer, ""), oedometer, 0, "", "is empty", "column names"},
         {"blank_file", write(oedometer, "\n  \n,,\n"), oedometer, 0, "", "is empty", "column names"},
         {"header_only", write(oedometer, "\naxial_stress_kPa,axial_strain\n\n"), oedometer, 2, "",
@@ -265,6 +275,21 @@ std::vector<Case> meaning_cases() {
          write(oedometer,
                "axial_stress_kPa,axial_strain,void_ratio\n10,0,0.8\n20,0.3,0.7946\n40,0.6,0.7892\n"),
          oedometer, 4, "axial_strain", "hundred times", "axial_strain_percent"},
+        {"runs_backwards", write(oedometer, "axial_stress_kPa,axial_strain\n10,0.03\n20,0.02\n40,0.01\n"),
+         oedometer, 4, "axial_strain", "most of the column falls", "order of the test"},
+        {"strain_jumps_back", edit(oedometer, "loading,160,0.035", "loading,160,0.0035"), oedometer, 8,
+         "axial_strain", "by more than noise", "correct the value"},
+        {"strain_rises_in_unloading", edit(oedometer, "20,0.018", "20,0.18"), oedometer, 6, "axial_strain",
+         "rises while unloading", "correct the value"},
+        {"no_strain", write(oedometer, "axial_stress_kPa,axial_strain\n10,0\n20,0\n40,0\n"), oedometer, 2,
+         "axial_strain", "not positive", "strain of each stage"},
+        {"beyond_its_pores", edit(oedometer, "160,0.035", "160,0.45"), oedometer, 8, "axial_strain",
+         "leaves no pores: an initial void ratio of 0.8 allows a strain of 0.444", "check the unit"},
+        {"negative_void_ratio",
+         write(oedometer, "axial_stress_kPa,axial_strain,void_ratio\n10,0,0.8\n20,0.01,-0.8\n"), oedometer, 3,
+         "void_ratio", "above 0", "volume of pores"},
+        {"triaxial_jumps_back", edit(triaxial, "1.95,181", "-1.95,181"), triaxial, 5, "axial_strain_percent",
+         "by more than noise", "correct the value"},
         {"strain_falls_in_phase", edit(oedometer, "loading,40,0.01", "loading,15,0.01"), oedometer, 4,
          "axial_stress_kPa", "does not rise while loading", "correct the phase"},
         {"stress_repeated_in_phase", edit(oedometer, "loading,40,0.01", "loading,20,0.01"), oedometer, 4,

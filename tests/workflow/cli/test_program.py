@@ -119,6 +119,32 @@ class WrongSettings(ProgramTest):
             with self.subTest(words=words):
                 self.refused_run(*words, says=says)
 
+    def test_options_that_contradict_each_other(self):
+        for words, says in [(("--rotation", "blocked", "--effects", "rotation"), "'blocked' contradicts the effect rotation"),
+                            (("--tests", "oedometer", "--hold-out", "triaxial_drained_50kPa.csv"), "is of kind triaxial, which is not among")]:
+            with self.subTest(words=words):
+                self.refused_run(*words, says=says)
+        self.refused("bulk", SETS / "flanders_twin_125", "--tests", "triaxial", says="is not the kind of the data set")
+        self.refused("crosstest", SETS / "twin_blocked", "--tests", "triaxial", says=["no direct_shear test to fit", "leave --tests out"])
+
+    def test_each_set_takes_one_value(self):
+        blocker = self.file("file", "x")
+        self.refused("calibrate", "--set", "young_modulus=1e8", SAND, "--out", blocker, says=str(blocker))
+        self.refused_run("--set", "young_modulus=1e8", "friction_angle=0.3", says="is one word too many")
+
+    def test_a_flag_that_is_denied(self):
+        self.refused("simulate", SAND, "--packing", self.file("none.csv", "x"), "--json=false", "--out", self.folder / "run", says="periodic cell")
+        self.assertIn("\njson = false", (self.folder / "run" / "config.toml").read_text(encoding="utf-8"))
+        # That run came to nothing, so its folder serves the next.
+        self.refused("simulate", SAND, "--packing", self.file("other.csv", "y"), "--out", self.folder / "run", says="other.csv:1")
+
+    def test_a_path_that_cannot_be(self):
+        loop = self.folder / "loop"
+        loop.symlink_to(loop)
+        for path, says in [("a" * 300, "File name too long"), (loop, "Too many levels of symbolic links")]:
+            self.refused("calibrate", SAND, "--out", path, says=says)
+            self.refused("report", path, says=says)
+
     def test_set(self):
         for text, says in [("young_modulus", "must be NAME=VALUE"), ("young_modulus=big", "must be a number"),
                            ("young_modulus=1,5e8", "write 1.5e8"), ("young_moduls=1e8", "did you mean 'young_modulus'?"),
@@ -130,6 +156,7 @@ class WrongSettings(ProgramTest):
         for text, says in [("seed = \n", "bad.toml:1:8: is not TOML"),
                            ("[engine]\ndampign = 0.3\n", "bad.toml:2:1: key 'dampign' is not a setting; did you mean 'damping'?"),
                            ("[engine]\ndamping = 2\n", "bad.toml:2:1: key 'engine.damping': value '2' must be at least 0 and below 1"),
+                           ("a" + ".a" * 100_000 + " = 1\n", "bad.toml:1: has a key of more than 16 parts"),
                            ("particles = '700'\n", "bad.toml:1:1: key 'particles': value ''700'' must be an integer")]:
             with self.subTest(text=text):
                 bad = self.file("bad.toml", text)
@@ -200,6 +227,14 @@ class Check(ProgramTest):
         self.assertIn("4 parameters to fit, 1 held fixed", answer.stdout)
         self.assertIn("oedometer_1.csv", answer.stdout)
 
+    def test_a_configuration_that_a_run_would_refuse(self):
+        for text, says in [('hold_out = ["zz.csv"]', "is not a test of the sample"), ('packing = "absent.csv"', "absent.csv"),
+                           ('verb = "crosstest"', "has no direct_shear test"), ('tests = ["direct_shear"]', "is not among the tests")]:
+            with self.subTest(text=text):
+                answer = loam("check", self.file("bad.toml", f'sample = "{SAND}"\n{text}\n'))
+                self.assertEqual(answer.returncode, 2, answer.stderr)
+                self.assertIn(says, answer.stderr)
+
     def test_densities_that_one_soil_hardly_has(self):
         self.assertIn("initial void ratios span 0.524 (triaxial_drained_50kPa.csv) to 0.996 (oedometer_1.csv)", loam("check", SAND).stderr)
 
@@ -209,6 +244,8 @@ class Check(ProgramTest):
         self.assertEqual((answer.returncode, report["sound"], report["kind"]), (2, False, "sample"))
         self.assertTrue(report["errors"][0]["message"])
         self.assertTrue(json.loads(loam("check", "--json", SAND).stdout)["sound"])
+        nothing = loam("check", "--json", self.folder / "absent")
+        self.assertEqual((nothing.returncode, len(json.loads(nothing.stdout)["errors"])), (2, 1))
 
 
 class Effects(ProgramTest):
