@@ -82,7 +82,6 @@ RunFolder::RunFolder(const Settings& settings) : path_(settings.out) {
                          .value = path_.string(),
                          .constraint = "holds files but no config.toml, so it is not the folder of a run",
                          .remedy = "give a new or an empty folder"});
-    resumed_ = false;
     write_file_atomically(configuration, to_toml(settings));
 }
 

@@ -115,12 +115,20 @@ TEST_F(InFolder, TheSameSettingsContinueARun) {
 
 TEST_F(InFolder, OtherSettingsDoNot) {
     { const RunFolder run(settings()); }
+    std::ofstream(folder / "run/ensemble.h5") << "simulations";
     const std::string said = complaint_of([&] { RunFolder{settings({{"seed", "2"}})}; });
     EXPECT_NE(said.find("key 'seed' is 1 in the run stored there and 2 now"), std::string::npos) << said;
     EXPECT_NE(said.find("give another --out"), std::string::npos) << said;
     Settings other_data = settings();
     other_data.inputs_digest = "0";
     EXPECT_NE(complaint_of([&] { RunFolder{other_data}; }).find("other data"), std::string::npos);
+}
+
+TEST_F(InFolder, ARunThatCameToNothingLeavesItsPlace) {
+    { const RunFolder run(settings()); }
+    const Settings other = settings({{"seed", "2"}});
+    const RunFolder run(other);
+    EXPECT_EQ(read_configuration(run.file("config.toml")), other);
 }
 
 TEST_F(InFolder, OneProcessAtATime) {

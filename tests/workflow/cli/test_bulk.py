@@ -100,7 +100,7 @@ class DirtyData(BulkTest):
         samples = {s["sample"]: s for s in result["samples"]}
         self.assertEqual(list(samples), NAMES)
         self.assertEqual({s["status"] for name, s in samples.items() if name not in ("S002", "S003")}, {"calibrated"})
-        for name, reason in [("S002", "S002.csv: does not exist"), ("S003", "S003.csv:1: has a header but no readings")]:
+        for name, reason in [("S002", "S002.csv' does not exist"), ("S003", "S003.csv:1: has a header but no readings")]:
             self.assertEqual(samples[name]["status"], "unreadable")
             self.assertIn(reason, samples[name]["reason"])
         self.assertTrue(any("samples.csv:7: column 'clay_kg_kg' is taken as labels" in w for w in result["warnings"]), result["warnings"])
