@@ -47,6 +47,11 @@ Index outside_posterior(const Fit& fit) {
     return -1;
 }
 
+/// Whether the posterior is about the estimate, and hardly made of what the emulator does not know.
+bool is_sure(const Fit& fit) {
+    return fit.emulator_share <= tolerable_share && outside_posterior(fit) < 0;
+}
+
 /// The curves [n x m] of the direct runs at the estimate, transformed.
 MatrixXd direct_curves(const Calibration& c) {
     return transformed_curves(c.confirmation, c.columns, c.trained->transforms);
@@ -216,13 +221,12 @@ Calibration calibrate(Campaign& campaign, std::vector<RunRecord>& runs, const Ca
         throw std::runtime_error(
             "every parameter is fixed: nothing is left to fit; loam simulate runs the tests");
     const std::vector<OutputTransform> transforms = transforms_of(observation);
-    const int allowed = campaign.settings().calibration.max_rounds,
-              last = task.follows ? std::min(1, allowed) : allowed;
+    const int last = campaign.settings().calibration.max_rounds;
     std::vector<TriedSet> sets;
     for (int round = 0; round <= last; ++round) {
         c.trained.emplace(train_emulator(runs, campaign.space(), c.columns, transforms, campaign.settings()));
         c.fit = fit(*c.trained, campaign.space(), observation, campaign.settings());
-        if (task.follows && round < last) {
+        if (task.follows && round < last && (round == 0 || !is_sure(c.fit))) {
             add_runs(campaign, c, runs, round_number(task, round), task.title);
             continue;
         }
@@ -238,11 +242,16 @@ Calibration calibrate(Campaign& campaign, std::vector<RunRecord>& runs, const Ca
         judge(campaign, c, observation);
         sets.push_back(tried(c));
         const CalibrationRound& now = c.rounds.back();
+        if (task.follows) {
+            c.stopped_by = is_sure(c.fit) ? "the emulator is a small part of the uncertainty"
+                                          : "the number of rounds allowed";
+            warn_of_disagreement(c);
+            break;
+        }
         // An emulator trained by a design alone is not yet trusted, as direct runs at one point say too
         // little of it: the first rounds of seven-test samples passed them, and the next moved the parameters
         // by 1 to 1.3 standard deviations.
-        if (round > 0 && now.check.agrees() && now.emulator_share <= tolerable_share &&
-            outside_posterior(c.fit) < 0) {
+        if (round > 0 && now.check.agrees() && is_sure(c.fit)) {
             c.stopped_by = "the emulator agrees with direct runs and is a small part of the uncertainty";
             break;
         }
