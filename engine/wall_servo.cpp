@@ -21,6 +21,11 @@ WallServo::WallServo(std::size_t wall, double pressure, double area, const WallS
     options.validate();
 }
 
+void WallServo::set_target(double pressure) {
+    require(pressure > 0, "pressure of a wall", pressure, "positive (Pa)");
+    target_ = pressure;
+}
+
 double WallServo::pressure(const Simulation& simulation) const {
     return -simulation.walls().force(wall_).dot(simulation.walls().wall(wall_).normal()) / area_;
 }

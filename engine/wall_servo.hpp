@@ -29,6 +29,7 @@ class WallServo {
     /// Fits the wall's drive to the stiffness in the last step, which must have been measured; to be called
     /// after every few steps. What the velocity has along the wall is left alone.
     void steer(Simulation& simulation) const;
+    void set_target(double pressure);                     // Pa; as of the constructor
     double pressure(const Simulation& simulation) const;  // on the wall in the last step (Pa)
 
   private:

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <stdexcept>
 
 #include "experiments/lab_tests/care.hpp"
@@ -71,6 +72,7 @@ class Shearing {
         DirectShearReading before = read(), now = before;
         while (now.displacement < displacement) {
             before = now;
+            if (!options_.pressures.empty()) servo_.set_target(target_ = measured_pressure());
             const double strain_rate = rate();
             box_.move(simulation_, strain_rate * zone());
             look(stretch(), strain_rate);
@@ -109,8 +111,18 @@ class Shearing {
         return now;
     }
 
-    double normal_error() const {
-        return std::abs(servo_.pressure(simulation_) / options_.normal_stress - 1);
+    double normal_error() const { return std::abs(servo_.pressure(simulation_) / target_ - 1); }
+
+    /// What the platen is to press with at the present displacement (Pa).
+    double measured_pressure() const {
+        const auto& all = options_.pressures;
+        const double x = box_.displacement(simulation_) / length_;
+        const auto after = std::ranges::lower_bound(all, x, {}, &PlatenPressure::displacement);
+        if (after == all.begin()) return after->normal_stress;
+        if (after == all.end()) return all.back().normal_stress;
+        const auto before = after - 1;
+        const double share = (x - before->displacement) / (after->displacement - before->displacement);
+        return before->normal_stress + share * (after->normal_stress - before->normal_stress);
     }
     double zone() const { return std::min(height_, shear_zone * simulation_.mean_diameter()); }
 
@@ -159,6 +171,7 @@ class Shearing {
     const std::function<bool()>& cancelled_;
     engine::WallServo servo_;
     Care care_;
+    double target_ = options_.normal_stress;  // Pa, of the platen
     double length_, height_ = 0, error_sum_ = 0, unbalanced_sum_ = 0, stretches_ = 0;
 };
 
@@ -169,6 +182,11 @@ void DirectShearOptions::validate() const {
         if (!right) throw std::invalid_argument(text);
     };
     check(normal_stress > 0 && std::isfinite(normal_stress), "normal_stress: must be positive (Pa)");
+    const auto place = [](const PlatenPressure& at) { return at.displacement; };
+    const bool rise = std::ranges::adjacent_find(pressures, std::greater_equal{}, place) == pressures.end();
+    check(rise, "pressures: displacements must rise");
+    check(std::ranges::all_of(pressures, [](const PlatenPressure& at) { return at.normal_stress > 0; }),
+          "pressures: must be positive (Pa)");
     check(!displacements.empty(), "displacements: at least one is needed");
     check(std::ranges::is_sorted(displacements), "displacements: must rise");
     check(displacements.empty() || (displacements.front() >= 0 && displacements.back() <= 0.5),

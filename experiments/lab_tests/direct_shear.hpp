@@ -15,8 +15,16 @@
 
 namespace loam::experiments {
 
+struct PlatenPressure {
+    double displacement = 0;   // over the box's length
+    double normal_stress = 0;  // Pa
+};
+
 struct DirectShearOptions {
-    double normal_stress = 1e5;         // Pa, of the platen, over the box's plan
+    double normal_stress = 1e5;  // Pa, of the platen, over the box's plan
+    // What it presses with while the box is sheared, where other than that: by rising displacement, linear
+    // between.
+    std::vector<PlatenPressure> pressures;
     std::vector<double> displacements;  // of the upper half over the box's length, rising: where it is read
     double wall_friction_angle = 0;     // rad, of all walls against particles
     double gap = 0;                     // between the halves, over the mean diameter
@@ -83,6 +91,9 @@ DirectShearResult run_direct_shear(const engine::Packing& packing, const engine:
 // The entries of the table of lab tests (registry.hpp). Readings as those of the triaxial test, over the
 // displacement and with the peak of the shear stress among them.
 std::vector<std::size_t> direct_shear_readings(const lab_data::Test& test);
+/// What the platen pressed with while the box was sheared, where that was recorded and is what the test says
+/// but for a servo's lag (20 %): the strength is in proportion to it. Else nothing.
+std::vector<PlatenPressure> measured_pressures(const lab_data::Test& test);
 /// A box as long, wide and high as the measured one in particles, where the sample's grading says how large
 /// they are and it is not too many; else one of the same proportions.
 SpecimenShape direct_shear_specimen(const Settings& settings, const lab_data::Sample& sample,

@@ -20,7 +20,8 @@ constexpr double largest_displacement = 0.4;  // over the box's length
 constexpr double inertial_number_factor = 3;
 constexpr double fewest_diameters = 10;  // along the box, below which it is the walls that are measured
 constexpr double usual_length = 14, least_height = 6;  // of made boxes, in diameters
-constexpr double longest = 20;  // of a box that is made as it was measured, in diameters
+constexpr double longest = 20;    // of a box that is made as it was measured, in diameters
+constexpr double most_lag = 0.2;  // of the recorded normal stress, beyond which it is not that of the plane
 constexpr std::uint32_t usual_particles = 700;
 
 /// Diameter of the mean particle of a specimen whose median size by mass is that of the grading (m); 0 where
@@ -57,6 +58,7 @@ Eigen::Vector3d box_in_diameters(const Settings& settings, const lab_data::Sampl
 DirectShearOptions direct_shear_options(const Settings& settings, const lab_data::Test& test) {
     DirectShearOptions options;
     options.normal_stress = test.normal_stress;
+    options.pressures = measured_pressures(test);
     options.wall_friction_angle = test.wall_friction_angle;
     options.gap = settings.direct_shear.gap_diameters;
     options.isotropic_stress = std::min(1000 * settings.specimen.preparation_stress_kPa, test.normal_stress);
@@ -71,6 +73,19 @@ DirectShearOptions direct_shear_options(const Settings& settings, const lab_data
 }
 
 }  // namespace
+
+std::vector<PlatenPressure> measured_pressures(const lab_data::Test& test) {
+    std::vector<PlatenPressure> out;
+    if (!test.columns.contains("normal_stress")) return out;
+    const auto& displacement = test.column("shear_displacement");
+    const auto& pressure = test.column("normal_stress");
+    for (std::size_t k = 0; k < pressure.size(); ++k) {
+        if (std::abs(pressure[k] / test.normal_stress - 1) > most_lag) return {};
+        const double x = displacement[k] / test.box_length;
+        if (out.empty() || x > out.back().displacement) out.push_back({x, pressure[k]});
+    }
+    return out;
+}
 
 std::vector<std::size_t> direct_shear_readings(const lab_data::Test& test) {
     return spread_readings(test.column("shear_displacement"), test.column("shear_stress"),

@@ -112,6 +112,39 @@ TEST(DirectShear, StartsWithoutRinging) {
     }
 }
 
+TEST(DirectShear, FollowsTheNormalStressThatWasRecorded) {
+    const auto made = boxed(1, 0.46);
+    DirectShearOptions options = to({0.02, 0.05, 0.1});
+    options.pressures = {{0, 1e5}, {0.02, 1.2e5}, {0.1, 0.8e5}};
+    const DirectShearResult run = shear(made, sand(1e8, 0.3), options),
+                            constant = shear(made, sand(1e8, 0.3), to({0.02, 0.05, 0.1}));
+    ASSERT_TRUE(run.complete) << run.reason;
+    EXPECT_LT(run.mean_normal_error, 0.01);
+    EXPECT_NEAR(run.readings[0].normal_stress, 1.2e5, 0.02e5);
+    EXPECT_NEAR(run.readings[1].normal_stress, 1.05e5, 0.02e5);
+    EXPECT_NEAR(run.readings[2].normal_stress, 0.8e5, 0.02e5);
+    // What is sheared is in proportion to it.
+    EXPECT_NEAR(run.readings[2].shear_stress / constant.readings[2].shear_stress, 0.8, 0.08);
+    options.pressures[1].displacement = 0.2;
+    EXPECT_THROW(shear(made, sand(1e8, 0.3), options), std::invalid_argument);
+}
+
+TEST(DirectShearOptions, TakeTheRecordedNormalStressUnlessItIsAnother) {
+    lab_data::Sample twin =
+        lab_data::read_sample(std::string(LOAM_SOURCE_DIR) + "/lab_data/sets/twin_medium_sand");
+    for (lab_data::Test& test : twin.tests) {
+        if (test.kind != lab_data::TestKind::direct_shear) continue;
+        const auto pressures = measured_pressures(test);
+        ASSERT_EQ(pressures.size(), test.size());
+        EXPECT_DOUBLE_EQ(pressures[9].normal_stress, test.column("normal_stress")[9]);
+        EXPECT_DOUBLE_EQ(pressures[9].displacement, test.column("shear_displacement")[9] / test.box_length);
+        test.columns["normal_stress"][5] = 2 * test.normal_stress;
+        EXPECT_TRUE(measured_pressures(test).empty());
+        test.columns.erase("normal_stress");
+        EXPECT_TRUE(measured_pressures(test).empty());
+    }
+}
+
 TEST(DirectShear, ForcesOnTheWallsBalance) {
     const auto made = boxed(2, 0.44);
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
