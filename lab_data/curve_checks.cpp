@@ -17,7 +17,7 @@ constexpr double largest_usual_ratio = 50, least_usual_ratio = 0.02;
 constexpr double largest_usual_stress = 1e8;  // Pa, of an oedometer
 constexpr double largest_fall =
     0.5;  // of a column that should rise, from one reading to the next, over its range
-constexpr double sign_tolerance = 1e-3;  // strain: a first reading may be slightly negative
+constexpr double sign_tolerance = 1e-3;  // strain: a first reading may be slightly negative, others fall
 constexpr const char* reverse_sign = "compression is positive: reverse the sign of the column";
 
 const std::string& column_name(const Curve& curve, const std::string& quantity) {
@@ -65,7 +65,9 @@ bool find_falls(const Curve& curve, const std::string& quantity, bool may_revers
     const auto& values = curve.values(quantity);
     const auto& phase = curve.test.phase;
     const auto size = static_cast<long>(values.size());
-    if (phase.empty() && values.back() < values.front() && 2 * not_rising(curve, quantity) > size - 1) {
+    const double noise = quantity.ends_with("strain") ? sign_tolerance : 0;
+    if (phase.empty() && values.back() < values.front() - noise &&
+        2 * not_rising(curve, quantity) > size - 1) {
         curve.error(values.size() - 1, quantity, "is below the first reading, as most of the column falls",
                     "put the readings into the order of the test, compression positive");
         return true;
@@ -74,7 +76,7 @@ bool find_falls(const Curve& curve, const std::string& quantity, bool may_revers
     for (std::size_t i = 1; i < values.size() && !may_reverse; ++i) {
         const bool unloads = !phase.empty() && phase[i] == "unloading";
         const double wrong_way = unloads ? values[i] - values[i - 1] : values[i - 1] - values[i];
-        if (wrong_way <= largest_fall * (most - least)) continue;
+        if (wrong_way <= std::max(noise, largest_fall * (most - least))) continue;
         curve.error(i, quantity,
                     unloads ? "rises while unloading by more than noise"
                             : "falls from the reading before by more than noise",

@@ -70,6 +70,15 @@ TEST(Check, CountsWhatRepeatsItself) {
     EXPECT_NE(report.warnings.at(0).find("column 'axial_strain': 97 more errors"), std::string::npos);
 }
 
+TEST(Check, TakesNoiseOfAStiffSoilForNoise) {
+    // A fall of more than half of the range, of a resolution that no soil test has better.
+    Files files = sound_files();
+    files["oedometer.csv"] = "axial_stress_kPa,axial_strain\n10,0.0003\n20,0.0005\n40,0.0001\n";
+    const TemporaryFolder folder;
+    write_all(folder, files);
+    EXPECT_TRUE(check(folder.path()).sound());
+}
+
 TEST(Check, ReportsTheUnreadableSamplesOfADataSet) {
     const TemporaryFolder folder;
     folder.write("dataset.toml", "name = \"d\"\nkind = \"oedometer\"\nsource = \"s\"\nlicence = \"l\"\n");
