@@ -7,7 +7,6 @@
 #include <stdexcept>
 
 #include "experiments/ensemble/run_seed.hpp"
-#include "experiments/quantile.hpp"
 
 namespace loam::experiments {
 namespace {
@@ -22,8 +21,6 @@ constexpr std::uint64_t rounds_from = 2'000'000, round_size = 10'000, confirmati
                         rounds_of_a_task = 20;
 constexpr std::uint64_t confirmation_packings = 2, draw_stream = 4;  // of run_seed
 
-constexpr double tolerable_share = 0.25;  // of the residuals' variance that the emulator may cause
-
 /// A direct run, on a packing that no emulator is trained on.
 RunSpec confirmation_spec(const Campaign& campaign, std::uint64_t index, const VectorXd& parameters) {
     RunSpec out = training_spec(campaign, index, "confirmation", parameters);
@@ -34,22 +31,6 @@ RunSpec confirmation_spec(const Campaign& campaign, std::uint64_t index, const V
 /// Number of a round of a task among all rounds.
 std::uint64_t round_number(const CalibrationTask& task, int round) {
     return rounds_of_a_task * task.place + static_cast<std::uint64_t>(round);
-}
-
-/// The first parameter whose estimate lies outside the posterior's central 99 %; -1 if none does. The two
-/// differ where the emulator is much less sure in one place than in the other.
-Index outside_posterior(const Fit& fit) {
-    for (Index k = 0; k < fit.estimate.size(); ++k) {
-        const VectorXd draws = fit.posterior.draws.col(k);
-        const std::vector<double> values(draws.begin(), draws.end());
-        if (fit.estimate[k] < quantile(values, 0.005) || fit.estimate[k] > quantile(values, 0.995)) return k;
-    }
-    return -1;
-}
-
-/// Whether the posterior is about the estimate, and hardly made of what the emulator does not know.
-bool is_sure(const Fit& fit) {
-    return fit.emulator_share <= tolerable_share && outside_posterior(fit) < 0;
 }
 
 /// The curves [n x m] of the direct runs at the estimate, transformed.
@@ -63,13 +44,10 @@ TriedSet tried(const Calibration& c) {
     return {c.fit.estimate, curves.colwise().mean().transpose(), static_cast<double>(curves.rows())};
 }
 
-/// Runs drawn from the posterior: distinct draws, evenly over the chains. Where the estimate lies elsewhere,
-/// the posterior is mostly the emulator's ignorance: a few runs end that, and such places, far from what was
-/// measured, can be dear.
-std::vector<RunSpec> added_runs(const Campaign& campaign, const Fit& fit, std::uint64_t round) {
+/// Runs drawn from the posterior: distinct draws, evenly over the chains.
+std::vector<RunSpec> added_runs(const Campaign& campaign, const Fit& fit, std::uint64_t round, bool follows) {
     const MatrixXd& draws = fit.posterior.draws;
-    const int whole = campaign.settings().calibration.runs_per_round;
-    const int count = outside_posterior(fit) < 0 ? whole : (whole + 3) / 4;
+    const int count = runs_to_add(fit, campaign.settings().calibration.runs_per_round, follows);
     std::vector<RunSpec> specs;
     for (int k = 0; k < count; ++k) {
         const auto at = round * round_size + static_cast<std::uint64_t>(k);
@@ -97,9 +75,10 @@ CalibrationRound compare(const Campaign& campaign, const Calibration& c, const O
 }
 
 /// Appends runs drawn from the posterior, and the direct runs, to those that the next emulator is trained on.
-void add_runs(Campaign& campaign, const Calibration& c, std::vector<RunRecord>& runs, std::uint64_t round,
-              const std::string& title) {
-    for (RunRecord& run : campaign.run(title + "added runs", added_runs(campaign, c.fit, round)))
+void add_runs(Campaign& campaign, const Calibration& c, std::vector<RunRecord>& runs, int round,
+              const CalibrationTask& task) {
+    for (RunRecord& run : campaign.run(task.title + "added runs",
+                                       added_runs(campaign, c.fit, round_number(task, round), task.follows)))
         runs.push_back(std::move(run));
     runs.insert(runs.end(), c.confirmation.begin(), c.confirmation.end());
 }
@@ -223,11 +202,13 @@ Calibration calibrate(Campaign& campaign, std::vector<RunRecord>& runs, const Ca
     const std::vector<OutputTransform> transforms = transforms_of(observation);
     const int last = campaign.settings().calibration.max_rounds;
     std::vector<TriedSet> sets;
+    bool gone_round = false;  // of a task that follows: a whole round, about a posterior that was not astray
     for (int round = 0; round <= last; ++round) {
         c.trained.emplace(train_emulator(runs, campaign.space(), c.columns, transforms, campaign.settings()));
         c.fit = fit(*c.trained, campaign.space(), observation, campaign.settings());
-        if (task.follows && round < last && (round == 0 || !is_sure(c.fit))) {
-            add_runs(campaign, c, runs, round_number(task, round), task.title);
+        if (task.follows && round < last && !(gone_round && is_sure(c.fit))) {
+            gone_round = outside_posterior(c.fit) < 0;
+            add_runs(campaign, c, runs, round, task);
             continue;
         }
         confirm(campaign, c, round, task);
@@ -236,7 +217,7 @@ Calibration calibrate(Campaign& campaign, std::vector<RunRecord>& runs, const Ca
             c.rounds.push_back(
                 {.runs = c.trained->runs,
                  .text = "every direct run at the estimate failed: " + c.confirmation[0].reason});
-            add_runs(campaign, c, runs, round_number(task, round), task.title);
+            add_runs(campaign, c, runs, round, task);
             continue;
         }
         judge(campaign, c, observation);
@@ -261,7 +242,7 @@ Calibration calibrate(Campaign& campaign, std::vector<RunRecord>& runs, const Ca
             warn_of_disagreement(c);
             break;
         }
-        add_runs(campaign, c, runs, round_number(task, round), task.title);
+        add_runs(campaign, c, runs, round, task);
     }
     warn_of_failures(runs, c);
     warn_of_search(campaign, c);

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "experiments/cross_test.hpp"
+#include "experiments/quantile.hpp"
 
 namespace loam::experiments {
 namespace {
@@ -57,6 +58,24 @@ MatrixXd transformed_curves(const std::vector<RunRecord>& runs, const std::vecto
         ++row;
     }
     return out;
+}
+
+Index outside_posterior(const Fit& fit) {
+    for (Index k = 0; k < fit.estimate.size(); ++k) {
+        const VectorXd draws = fit.posterior.draws.col(k);
+        const std::vector<double> values(draws.begin(), draws.end());
+        if (fit.estimate[k] < quantile(values, 0.005) || fit.estimate[k] > quantile(values, 0.995)) return k;
+    }
+    return -1;
+}
+
+bool is_sure(const Fit& fit) {
+    return fit.emulator_share <= tolerable_share && outside_posterior(fit) < 0;
+}
+
+int runs_to_add(const Fit& fit, int whole, bool follows) {
+    if (outside_posterior(fit) < 0) return whole;
+    return follows ? std::min(whole, 2) : (whole + 3) / 4;
 }
 
 EmulatorCheck check_emulator(const Fit& fit, const TrainedEmulator& trained, const Observation& observation,

@@ -1,4 +1,4 @@
-// What direct runs at a fit's estimate say of the emulator that it was made with.
+// Whether a fit's emulator knows enough: by the fit itself, and by direct runs at its estimate.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,6 +8,21 @@
 #include "experiments/fit.hpp"
 
 namespace loam::experiments {
+
+inline constexpr double tolerable_share = 0.25;  // of the residuals' variance that the emulator may cause
+
+/// The first parameter whose estimate lies outside the posterior's central 99 %; -1 if none does. The two
+/// differ where the emulator is much less sure in one place than in the other.
+Eigen::Index outside_posterior(const Fit& fit);
+
+/// Whether the posterior is about the estimate, and hardly made of what the emulator does not know.
+bool is_sure(const Fit& fit);
+
+/// Of the `whole` number of runs of a round, how many are worth making about the fit's posterior. Where the
+/// estimate lies elsewhere, the posterior is mostly the emulator's ignorance: a few runs end that, and such
+/// places, far from what was measured, can be dear (a direct shear posterior at 4e9 Pa, for a soil of 9e7:
+/// 24 s a run). A task whose rounds make no direct runs, `follows`, can as well take them two by two.
+int runs_to_add(const Fit& fit, int whole, bool follows);
 
 /// Outputs `columns` of the runs that succeeded [n x m], transformed.
 Eigen::MatrixXd transformed_curves(const std::vector<RunRecord>& runs,

@@ -122,5 +122,34 @@ TEST(EmulatorCheck, NothingToCompareIsNoAgreement) {
     EXPECT_FALSE(EmulatorCheck{}.agrees());
 }
 
+/// A fit of two parameters whose posterior is even over 0.4 .. 0.6 in the first, 0 .. 1 in the second.
+Fit posterior_about_a_half(double first, double emulator_share) {
+    Fit out;
+    out.estimate = Eigen::Vector2d(first, 0.5);
+    out.posterior.draws.resize(201, 3);
+    for (Index k = 0; k <= 200; ++k)
+        out.posterior.draws.row(k) << 0.4 + 0.001 * static_cast<double>(k), 0.005 * static_cast<double>(k), 1;
+    out.emulator_share = emulator_share;
+    return out;
+}
+
+TEST(EmulatorCheck, IsSureWhereThePosteriorIsAboutTheEstimateAndNotTheEmulators) {
+    EXPECT_TRUE(is_sure(posterior_about_a_half(0.5, 0.2)));
+    EXPECT_TRUE(is_sure(posterior_about_a_half(0.402, tolerable_share)));
+    EXPECT_FALSE(is_sure(posterior_about_a_half(0.5, 0.3)));
+    EXPECT_FALSE(is_sure(posterior_about_a_half(0.7, 0)));
+    EXPECT_EQ(outside_posterior(posterior_about_a_half(0.5, 1)), -1);
+    EXPECT_EQ(outside_posterior(posterior_about_a_half(0.3, 0)), 0);
+}
+
+TEST(EmulatorCheck, FewRunsAreAddedAboutAPosteriorThatIsAstray) {
+    const Fit unsure = posterior_about_a_half(0.5, 1), astray = posterior_about_a_half(0.7, 0);
+    for (const bool follows : {false, true}) EXPECT_EQ(runs_to_add(unsure, 24, follows), 24);
+    EXPECT_EQ(runs_to_add(astray, 24, false), 6);
+    EXPECT_EQ(runs_to_add(astray, 24, true), 2);
+    EXPECT_EQ(runs_to_add(astray, 1, false), 1);
+    EXPECT_EQ(runs_to_add(astray, 1, true), 1);
+}
+
 }  // namespace
 }  // namespace loam::experiments

@@ -148,6 +148,14 @@ class Crosstest(RunTest):
         self.assertEqual(again.returncode, 0, again.stderr)
         self.assertEqual(without_times(self.result("cross")), without_times(result))
 
+    def test_a_set_gets_a_round_of_its_own_before_its_direct_runs(self):
+        self.settings.write_text(CROSSED.replace("max_rounds = 0", "max_rounds = 3\nruns_per_round = 4"), encoding="utf-8")
+        run = self.cross("rounds")
+        self.assertEqual(run.returncode, 0, run.stderr)
+        log = (self.folder / "rounds/log.txt").read_text(encoding="utf-8")
+        for name in ("triaxial", "direct shear"):
+            self.assertEqual(re.findall(rf" {name}: (direct|added) runs: (\d+) runs", log), [("added", "4"), ("direct", "1")])
+
     def test_what_cannot_be_crossed(self):
         run = self.cross("none", sample=SAND)
         self.assertEqual((run.returncode, run.stdout), (2, ""))
