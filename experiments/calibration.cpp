@@ -74,13 +74,15 @@ CalibrationRound compare(const Campaign& campaign, const Calibration& c, const O
     return round;
 }
 
-/// Appends runs drawn from the posterior, and the direct runs, to those that the next emulator is trained on.
+/// Appends runs drawn from the posterior, and the direct runs, to those that the next emulator is trained on;
+/// of direct runs on packings on which sets are compared only that they fail.
 void add_runs(Campaign& campaign, const Calibration& c, std::vector<RunRecord>& runs, int round,
               const CalibrationTask& task) {
     for (RunRecord& run : campaign.run(task.title + "added runs",
                                        added_runs(campaign, c.fit, round_number(task, round), task.follows)))
         runs.push_back(std::move(run));
-    runs.insert(runs.end(), c.confirmation.begin(), c.confirmation.end());
+    for (const RunRecord& run : c.confirmation)
+        if (task.packings.empty() || !run.ok) runs.push_back(run);
 }
 
 /// Makes the direct runs of a round, at the estimate, `times` as many as usual.
@@ -202,12 +204,10 @@ Calibration calibrate(Campaign& campaign, std::vector<RunRecord>& runs, const Ca
     const std::vector<OutputTransform> transforms = transforms_of(observation);
     const int last = campaign.settings().calibration.max_rounds;
     std::vector<TriedSet> sets;
-    bool gone_round = false;  // of a task that follows: a whole round, about a posterior that was not astray
     for (int round = 0; round <= last; ++round) {
         c.trained.emplace(train_emulator(runs, campaign.space(), c.columns, transforms, campaign.settings()));
         c.fit = fit(*c.trained, campaign.space(), observation, campaign.settings());
-        if (task.follows && round < last && !(gone_round && is_sure(c.fit))) {
-            gone_round = outside_posterior(c.fit) < 0;
+        if (task.follows && round < last && (round == 0 || !is_sure(c.fit))) {
             add_runs(campaign, c, runs, round, task);
             continue;
         }
@@ -223,16 +223,10 @@ Calibration calibrate(Campaign& campaign, std::vector<RunRecord>& runs, const Ca
         judge(campaign, c, observation);
         sets.push_back(tried(c));
         const CalibrationRound& now = c.rounds.back();
-        if (task.follows) {
-            c.stopped_by = is_sure(c.fit) ? "the emulator is a small part of the uncertainty"
-                                          : "the number of rounds allowed";
-            warn_of_disagreement(c);
-            break;
-        }
         // An emulator trained by a design alone is not yet trusted, as direct runs at one point say too
         // little of it: the first rounds of seven-test samples passed them, and the next moved the parameters
         // by 1 to 1.3 standard deviations.
-        if (round > 0 && now.check.agrees() && is_sure(c.fit)) {
+        if ((round > 0 || task.follows) && now.check.agrees() && is_sure(c.fit)) {
             c.stopped_by = "the emulator agrees with direct runs and is a small part of the uncertainty";
             break;
         }

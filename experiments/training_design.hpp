@@ -22,8 +22,8 @@ struct CalibrationTask {
     std::string title{};      // goes before what progress says
     bool chooses = true;      // by direct runs among the sets tried, if the emulator never becomes sure
     // Its runs are those of a calibration to all tests: a round of runs about its own posterior, before any
-    // direct runs, is enough, and further ones only where the emulator is not sure then, or was not sure
-    // enough before to say where the posterior is.
+    // direct runs, is enough; further ones only where the emulator is not sure then, or is contradicted by
+    // direct runs.
     bool follows = false;
     // Of the direct runs, where not fresh ones: sets that are compared are compared on the same packings. No
     // emulator may have been trained on them.

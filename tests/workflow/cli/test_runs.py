@@ -148,13 +148,25 @@ class Crosstest(RunTest):
         self.assertEqual(again.returncode, 0, again.stderr)
         self.assertEqual(without_times(self.result("cross")), without_times(result))
 
-    def test_a_set_gets_a_round_of_its_own_before_its_direct_runs(self):
+    def test_a_set_gets_rounds_of_its_own_until_direct_runs_agree(self):
         self.settings.write_text(CROSSED.replace("max_rounds = 0", "max_rounds = 3\nruns_per_round = 4"), encoding="utf-8")
         run = self.cross("rounds")
         self.assertEqual(run.returncode, 0, run.stderr)
         log = (self.folder / "rounds/log.txt").read_text(encoding="utf-8")
+        directs = 0
         for name in ("triaxial", "direct shear"):
-            self.assertEqual(re.findall(rf" {name}: (direct|added) runs: (\d+) runs", log), [("added", "4"), ("direct", "1")])
+            made = re.findall(rf" {name}: (direct|added) runs: (\d+) runs", log)
+            self.assertEqual(made[:2], [("added", "4"), ("direct", "1")], "a round before the first direct runs")
+            checks = re.findall(rf" {name}: \d+ runs: direct runs differ from the emulator by (\S+) of .* by (\S+) standard deviations \(limit (\S+)\)", log)
+            agree = [float(difference) <= 1 and float(shift) <= float(limit) for difference, shift, limit in checks]
+            self.assertEqual(agree.count(True), agree[-1], "the first that agrees is the last")
+            self.assertTrue(agree[-1] or len(made) > 2, log)
+            directs += len(checks)
+        with h5py.File(self.folder / "rounds/ensemble.h5") as ensemble:
+            purpose, seed, index = (list(ensemble[key]) for key in ("purpose", "packing_seed", "index"))
+        of_sets = {s for p, s, i in zip(purpose, seed, index) if p == b"confirmation" and (i - 3_000_000) // 10_000 >= 20}
+        self.assertGreater(directs, 2, "a set that direct runs contradicted gets further rounds")
+        self.assertFalse(of_sets & {s for p, s in zip(purpose, seed) if p != b"confirmation"})
 
     def test_what_cannot_be_crossed(self):
         run = self.cross("none", sample=SAND)
