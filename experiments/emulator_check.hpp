@@ -21,7 +21,7 @@ bool is_sure(const Fit& fit);
 /// Of the `whole` number of runs of a round, how many are worth making about the fit's posterior. Where the
 /// estimate lies elsewhere, the posterior is mostly the emulator's ignorance: a few runs end that, and such
 /// places, far from what was measured, can be dear (a direct shear posterior at 4e9 Pa, for a soil of 9e7:
-/// 24 s a run). A task whose rounds make no direct runs, `follows`, can as well take them two by two.
+/// 24 s a run). A task that `follows` makes no direct runs until it is sure, and can take them two by two.
 int runs_to_add(const Fit& fit, int whole, bool follows);
 
 /// Outputs `columns` of the runs that succeeded [n x m], transformed.
