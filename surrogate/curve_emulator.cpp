@@ -42,6 +42,13 @@ void check(const MatrixXd& inputs, const MatrixXd& outputs) {
     require_finite(outputs, "curve emulator: outputs");
 }
 
+// How processes are fitted to components, and to how many at most.
+struct Fitting {
+    GaussianProcessOptions process;
+    Index max_components;
+    int threads;
+};
+
 // All runs at a bounded number of inputs, the most repeated ones first: they say most about the noise.
 Data bounded(const Data& data, Index most) {
     if (data.groups.size() <= most) return data;
@@ -69,44 +76,43 @@ std::vector<Index> learning_rows(const ReplicateGroups& groups) {
     return rows;
 }
 
-// One process for each of the first `count` columns of the scores; adds to `evaluations`.
-std::vector<GaussianProcess> fit_components(const Data& data, const MatrixXd& scores, Index count,
-                                            const GaussianProcessOptions& options, int threads,
-                                            int& evaluations) {
+// One process for each of the `count` columns of the scores from `first` on; adds to `evaluations`.
+std::vector<GaussianProcess> fit_components(const Data& data, const MatrixXd& scores, Index first,
+                                            Index count, const Fitting& how, int& evaluations) {
     std::vector<std::optional<GaussianProcess>> fits(static_cast<std::size_t>(count));
     std::vector<std::exception_ptr> errors(fits.size());
     std::vector<int> spent(fits.size(), 0);
     const bool all = data.groups.size() <= learning_inputs;
     const std::vector<Index> rows = learning_rows(data.groups);
     const MatrixXd learning = data.inputs(rows, Eigen::all);
-#pragma omp parallel for schedule(dynamic, 1) num_threads(threads > 0 ? threads : omp_get_max_threads())
-    for (Index j = 0; j < count; ++j) {
-        const auto which = static_cast<std::size_t>(j);
+    const int threads = how.threads > 0 ? how.threads : omp_get_max_threads();
+#pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
+    for (Index i = 0; i < count; ++i) {
+        const auto which = static_cast<std::size_t>(i);
+        const VectorXd score = scores.col(first + i);
         try {
-            GaussianProcessOptions own = options;
-            own.seed = optimizers::hash(options.seed + which);
-            const GaussianProcess learnt =
-                GaussianProcess::fit(learning, scores(rows, Eigen::all).col(j), own);
+            GaussianProcessOptions own = how.process;
+            own.seed = optimizers::hash(own.seed + static_cast<std::size_t>(first) + which);
+            const GaussianProcess learnt = GaussianProcess::fit(learning, score(rows), own);
             spent[which] = learnt.summary().evaluations;
             fits[which] =
-                all ? learnt
-                    : GaussianProcess::condition(data.inputs, scores.col(j), learnt.hyperparameters(), own);
+                all ? learnt : GaussianProcess::condition(data.inputs, score, learnt.hyperparameters(), own);
         } catch (...) {
             errors[which] = std::current_exception();
         }
     }
     std::vector<GaussianProcess> processes;
-    for (std::size_t j = 0; j < fits.size(); ++j) {
-        if (errors[j]) std::rethrow_exception(errors[j]);
-        processes.push_back(std::move(*fits[j]));
-        evaluations += spent[j];
+    for (std::size_t i = 0; i < fits.size(); ++i) {
+        if (errors[i]) std::rethrow_exception(errors[i]);
+        processes.push_back(std::move(*fits[i]));
+        evaluations += spent[i];
     }
     return processes;
 }
 
 // At least one component is emulated, and never so many that the inputs could not tell signal from noise.
-Index allowed(Index wanted, const CurveEmulatorOptions& options, const ReplicateGroups& groups) {
-    return std::clamp<Index>(wanted, 1, std::min<Index>(options.max_components, groups.size() - 2));
+Index allowed(Index wanted, Index most, const ReplicateGroups& groups) {
+    return std::clamp<Index>(wanted, 1, std::min<Index>(most, groups.size() - 2));
 }
 
 // Components of whitened curves that vary more than noise alone lets the first of them; but as many as there
@@ -117,6 +123,41 @@ Index above_noise(const CurveBasis& basis, const Data& data) {
     return std::max(above, std::min(data.inputs.cols(), basis.score_variance.size()));
 }
 
+// Whether the inputs explain a component better than noise does, by BIC: a process has a variance and its
+// lengths more.
+bool shows_signal(const GaussianProcess& process) {
+    const GroupedData& data = process.data();
+    const double more = static_cast<double>(1 + data.inputs.cols());
+    return process.system().log_likelihood - constant_log_likelihood(data) >
+           0.5 * more * std::log(static_cast<double>(data.mean.size()));
+}
+
+struct Signal {
+    std::vector<GaussianProcess> processes;
+    bool cut = false;  // there may be more than may be emulated
+};
+
+// Processes for the components of whitened curves that are not noise.
+Signal fit_signal(const Data& data, const CurveBasis& basis, const MatrixXd& scores, const Fitting& how,
+                  int& evaluations) {
+    const Index sure = above_noise(basis, data),
+                most = allowed(scores.cols(), how.max_components, data.groups);
+    Signal signal{fit_components(data, scores, 0, std::min(sure, most), how, evaluations)};
+    while (true) {
+        const auto fitted = static_cast<Index>(signal.processes.size());
+        if (fitted == most) {
+            signal.cut = most < scores.cols();
+            return signal;
+        }
+        // Two at a time, which is what two cores do in the time of one, whatever the number of threads.
+        for (GaussianProcess& next :
+             fit_components(data, scores, fitted, std::min<Index>(2, most - fitted), how, evaluations)) {
+            if (!shows_signal(next)) return signal;
+            signal.processes.push_back(std::move(next));
+        }
+    }
+}
+
 // What the careful fit has to know of the noise beforehand.
 struct FirstLook {
     MatrixXd metric;  // [m x m] covariance at the centre of the cube, made a little stiffer
@@ -125,18 +166,20 @@ struct FirstLook {
 
 // From processes fitted quickly to the standardised, then to the whitened curves.
 FirstLook first_look(const Data& data, const CurveEmulatorOptions& options, int& evaluations) {
-    const GaussianProcessOptions quick{.kernel = options.kernel,
-                                       .starts = 1,
-                                       .max_evaluations = 60,
-                                       .relative_floor = relative_floor,
-                                       .seed = options.seed};
+    const Fitting quick{{.kernel = options.kernel,
+                         .starts = 1,
+                         .max_evaluations = 60,
+                         .relative_floor = relative_floor,
+                         .seed = options.seed},
+                        options.max_components,
+                        options.threads};
     const VectorXd level = VectorXd::Zero(data.inputs.cols());
     const MatrixXd curves = data.groups.means(data.outputs);
     CurveBasis basis = standardised_basis(curves);
     MatrixXd scores = basis.scores(data.outputs);
-    const Index count = (basis.score_variance.array() > 1e-8 * basis.score_variance.sum()).count();
-    auto processes = fit_components(data, scores, allowed(count, options, data.groups), quick,
-                                    options.threads, evaluations);
+    const Index varying = (basis.score_variance.array() > 1e-8 * basis.score_variance.sum()).count();
+    const Index count = allowed(varying, options.max_components, data.groups);
+    const auto processes = fit_components(data, scores, 0, count, quick, evaluations);
     const MatrixXd noise = estimate_noise_covariance({data.groups, scores, processes}, level);
     FirstLook look{basis.from_scores * noise * basis.from_scores.transpose(), level};
     // Directions in which the noise seems next to nothing are the worst known; they must not lead.
@@ -145,9 +188,8 @@ FirstLook first_look(const Data& data, const CurveEmulatorOptions& options, int&
 
     basis = whitened_basis(curves, look.metric);
     scores = basis.scores(data.outputs);
-    processes = fit_components(data, scores, allowed(above_noise(basis, data), options, data.groups), quick,
-                               options.threads, evaluations);
-    look.slope = estimate_noise_slope({data.groups, scores, processes});
+    const Signal signal = fit_signal(data, basis, scores, quick, evaluations);
+    look.slope = estimate_noise_slope({data.groups, scores, signal.processes});
     return look;
 }
 
@@ -182,24 +224,26 @@ CurveEmulator CurveEmulator::fit(const MatrixXd& inputs, const MatrixXd& outputs
     emulator.groups_ = data.groups;
     emulator.actual_ = data.groups.means(outputs);
     emulator.basis_ = whitened_basis(emulator.actual_, look.metric);
-    const Index above = above_noise(emulator.basis_, data), count = allowed(above, options, data.groups);
     const MatrixXd scores = emulator.basis_.scores(outputs);
-    const GaussianProcessOptions careful{.kernel = options.kernel,
-                                         .noise_slope = look.slope,
-                                         .starts = options.starts,
-                                         .relative_floor = relative_floor,
-                                         .seed = options.seed};
-    emulator.processes_ = fit_components(data, scores, count, careful, options.threads, summary.evaluations);
+    const Fitting careful{{.kernel = options.kernel,
+                           .noise_slope = look.slope,
+                           .starts = options.starts,
+                           .relative_floor = relative_floor,
+                           .seed = options.seed},
+                          options.max_components,
+                          options.threads};
+    Signal signal = fit_signal(data, emulator.basis_, scores, careful, summary.evaluations);
+    emulator.processes_ = std::move(signal.processes);
     const MatrixXd noise = estimate_noise_covariance({data.groups, scores, emulator.processes_}, look.slope);
     const MatrixXd& back = emulator.basis_.from_scores;
     emulator.noise_ = {back * noise * back.transpose(), look.slope};
 
     const VectorXd& variance = emulator.basis_.score_variance;
-    summary.stopped_by = above > count ? "most components allowed" : "the rest is noise";
+    summary.stopped_by = signal.cut ? "most components allowed" : "the rest is noise";
     summary.runs = outputs.rows();
     summary.inputs = data.groups.size();
-    summary.components = count;
-    summary.kept_variance = variance.head(count).sum() / variance.sum();
+    summary.components = emulator.components();
+    summary.kept_variance = variance.head(summary.components).sum() / variance.sum();
     summary.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
     return emulator;
 }

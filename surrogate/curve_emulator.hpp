@@ -5,7 +5,9 @@
 //    whether the noise changes over the inputs (log-linearly, where BIC prefers that; curve_noise.hpp).
 // 2. The curves are whitened by that noise. Components whose variance is above what noise alone gives the
 //    largest of m components in g inputs, (1 + sqrt(m / g))^2 (Marchenko & Pastur 1967; Johnstone 2001), are
-//    emulated by a Gaussian process each, now carefully; the rest counts as noise.
+//    emulated by a Gaussian process each, now carefully; and so are the next ones for as long as the inputs
+//    explain them better than noise does (by BIC), for what shows at few of many inputs, at the edge of the
+//    cube or beside a crowd about an estimate, hardly shows in the variance. The rest counts as noise.
 // 3. The noise covariance is estimated anew.
 // Components are independent of each other given the data. Emulation of curves by their principal components
 // follows Higdon et al. 2008, "Computer model calibration using high-dimensional output".

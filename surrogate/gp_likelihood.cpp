@@ -38,6 +38,18 @@ VectorXd GaussianProcessSystem::q_diagonal() const {
     return inverse_factor.colwise().squaredNorm().transpose() - ones.cwiseAbs2() / mean_precision;
 }
 
+// The head of gp_likelihood.hpp with K diagonal; its maximum over the nugget is in closed form.
+double constant_log_likelihood(const GroupedData& data) {
+    const ArrayXd count = data.count.array(), factor = data.noise_factor.array(), weight = count / factor;
+    const double rows = count.sum(), mean = (weight * data.mean.array()).sum() / weight.sum();
+    const double squares =
+        (weight * (data.mean.array() - mean).square() + data.scatter.array() / factor).sum();
+    const double nugget = squares / (rows - 1);
+    const double determinants = (count * (nugget * factor).log()).sum();  // of means and of what is within
+    return -0.5 * ((rows - 1) * std::log(2 * std::numbers::pi) + determinants +
+                   std::log(weight.sum() / (nugget * rows)) + rows - 1);
+}
+
 bool RestrictedLikelihood::solve(const Hyperparameters& at, GaussianProcessSystem& system) {
     return solve(ArdCovariance(kernel_, data_.inputs, at.variance, at.length_scales), at.nugget, system);
 }

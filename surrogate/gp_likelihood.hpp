@@ -55,6 +55,11 @@ struct GaussianProcessSystem {
     Eigen::VectorXd q_diagonal() const;
 };
 
+/// Log likelihood of the same data were there no response but a constant, and all else noise, its nugget the
+/// likeliest; data.known_variance counts as 0. What a process's own likelihood exceeds this by is the
+/// evidence that the inputs matter.
+double constant_log_likelihood(const GroupedData& data);
+
 class RestrictedLikelihood {
   public:
     /// `floor`, a variance, keeps K invertible; kernel and data outlive this object. Not for several threads

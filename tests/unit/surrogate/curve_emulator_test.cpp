@@ -232,6 +232,34 @@ TEST(CurveEmulator, TellsInputsApartWhoseCurvesAreAlike) {
     EXPECT_GE(told_apart, 4);
 }
 
+// A third shape that only inputs of x0 > 0.8 show, at a few times the noise, and a crowd of runs elsewhere,
+// as rounds about an estimate add: in the variance over all inputs it drowns, and places that show it would
+// be taken for places that do not.
+TEST(CurveEmulator, KeepsWhatShowsAtTheFewInputsOfAnEdge) {
+    constexpr Index spread = 60, crowd = 60, m = 24;
+    const Eigen::ArrayXd s = Eigen::ArrayXd::LinSpaced(m, 0.05, 1);
+    const VectorXd third = 0.7 * (20 * s).sin();
+    const auto curve = [&](double x0, double x1) -> VectorXd {
+        const double edge = std::max(0.0, x0 - 0.8) / 0.2;
+        return ((x0 - 0.5) * 3 * s + (x1 - 0.5) * (6 * s).cos()).matrix() + edge * edge * third;
+    };
+    for (const std::uint64_t seed : {31, 32, 33}) {
+        optimizers::Random random(seed);
+        MatrixXd inputs(spread + crowd, 2), outputs(spread + crowd, m);
+        inputs.topRows(spread) = maximin_latin_hypercube(spread, 2, seed);
+        for (Index i = spread; i < inputs.rows(); ++i)
+            inputs.row(i) << 0.3 + 0.05 * random.normal(), 0.5 + 0.05 * random.normal();
+        for (Index i = 0; i < inputs.rows(); ++i) {
+            outputs.row(i) = curve(inputs(i, 0), inputs(i, 1));
+            for (Index k = 0; k < m; ++k) outputs(i, k) += 0.2 * random.normal();
+        }
+        const auto emulator = CurveEmulator::fit(inputs, outputs);
+        const VectorXd mean = emulator.predict_mean((VectorXd(2) << 0.97, 0.5).finished());
+        EXPECT_LT((mean - curve(0.97, 0.5)).norm(), 0.5 * (0.85 * 0.85 * third).norm());
+        EXPECT_EQ(emulator.components(), 3);
+    }
+}
+
 TEST(CurveEmulator, ReproducesCurvesWithoutNoise) {
     const Truth truth;
     const MatrixXd inputs = design(80, 0, 13);

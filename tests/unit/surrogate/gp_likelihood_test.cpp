@@ -67,6 +67,26 @@ TEST(RestrictedLikelihood, EqualsThatOfAllRowsWithReplicatesGathered) {
     EXPECT_NEAR(process.summary().log_likelihood, expected, 1e-8);
 }
 
+TEST(RestrictedLikelihood, OfAConstantIsTheLimitOfAVanishingResponseAtTheBestNugget) {
+    const Replicated data;
+    const auto process = GaussianProcess::condition(data.inputs, data.outputs, data.at, data.options);
+    const double alone = constant_log_likelihood(process.data());
+    double best = -1e300, nearest = 0;
+    for (double nugget = 0.2; nugget < 5; nugget *= 1.002) {
+        Hyperparameters still = data.at;
+        still.variance = 1e-12;
+        still.nugget = nugget;
+        const double value = GaussianProcess::condition(data.inputs, data.outputs, still, data.options)
+                                 .summary()
+                                 .log_likelihood;
+        EXPECT_LE(value, alone + 1e-6);
+        if (value > best) best = value, nearest = nugget;
+    }
+    EXPECT_NEAR(best, alone, 1e-4);
+    EXPECT_GT(nearest, 0.3);
+    EXPECT_LT(nearest, 4.5);
+}
+
 TEST(RestrictedLikelihood, PredictionsEqualThoseFromAllRows) {
     const Replicated data;
     const auto process =
