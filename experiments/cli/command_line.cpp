@@ -45,6 +45,17 @@ std::string option_name(std::string_view key) {
     return name;
 }
 
+/// "loam bulk, loam bench": the verbs with settings that have an option of their own by that name; else
+/// empty.
+std::string verbs_with_option(std::string_view name) {
+    std::string text;
+    for (const Field& field : fields())
+        if (field.verbs && option_name(field.key) == name)
+            for (const std::string_view verb : field.verbs())
+                text += fmt::format("{}loam {}", text.empty() ? "" : ", ", verb);
+    return text;
+}
+
 /// "particles in a specimen (default 700)"; names of files and lists say themselves what is done without
 /// them.
 std::string meaning_with_default(const Field& field) {
@@ -98,7 +109,7 @@ class VerbParser {
     void add_settings() {
         app_.add_option("--config", configuration_, "settings to start from")->type_name("FILE.toml");
         for (const Field& field : fields()) {
-            if (field.option.empty()) continue;
+            if (!field.is_option_of(verb_.name)) continue;
             const std::string meaning = meaning_with_default(field);
             if (field.option == "flag")
                 app_.add_flag(option_name(field.key), flags_[field.key], meaning);
@@ -130,9 +141,12 @@ class VerbParser {
             for (const CLI::Option* option : app_.get_options())
                 for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
             const std::vector<std::string_view> valid(names.begin(), names.end());
-            throw UserError({.value = word.substr(0, word.find('=')),
+            const std::string name = word.substr(0, word.find('='));
+            const std::string others = takes_settings(verb_) ? verbs_with_option(name) : "";
+            throw UserError({.value = name,
                              .constraint = fmt::format("is not an option of loam {}", verb_.name),
-                             .remedy = lab_data::suggest_name(word.substr(0, word.find('=')), valid)});
+                             .remedy = !others.empty() ? fmt::format("it is one of {}", others)
+                                                       : lab_data::suggest_name(name, valid)});
         }
     }
 
@@ -144,7 +158,7 @@ class VerbParser {
             command.overrides.push_back(
                 {std::string(verb_.name == "bench" ? "benchmark" : "sample"), argument_});
         for (const Field& field : fields()) {
-            if (field.option.empty() || app_.count(option_name(field.key)) == 0) continue;
+            if (!field.is_option_of(verb_.name) || app_.count(option_name(field.key)) == 0) continue;
             const bool is_flag = field.option == "flag";
             command.overrides.push_back({std::string(field.key), !is_flag ? values_.at(field.key)
                                                                  : flags_.at(field.key) ? "true"

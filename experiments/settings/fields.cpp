@@ -29,6 +29,12 @@ constexpr Limits count(double least, double most = 1e6) {
 Names verbs_with_settings() {
     return {"simulate", "calibrate", "bulk", "crosstest", "diagnose", "bench"};
 }
+Names bench() {
+    return {"bench"};
+}
+Names bulk_and_bench() {
+    return {"bulk", "bench"};
+}
 Names rotations() {
     return {"blocked", "free"};
 }
@@ -90,9 +96,9 @@ const std::array table{
           "which benchmark, of the verb bench"},
     Field{"", "against", [](Settings& s) -> Slot { return &s.against; },
           "other codes, where installed, that `loam bench engine` measures beside this engine", {}, code_names, "CODE,...",
-          Resuming::may_differ},
+          Resuming::may_differ, bench},
     Field{"", "twins", [](Settings& s) -> Slot { return &s.twins; },
-          "most twins of `loam bench diagnose`, or samples of `loam bench bulk`; 0: the benchmark's own number", count(0), nullptr, "N", Resuming::may_differ},
+          "most twins of `loam bench diagnose`, or samples of `loam bench bulk`; 0: the benchmark's own number", count(0), nullptr, "N", Resuming::may_differ, bench},
     Field{"", "sample", [](Settings& s) -> Slot { return &s.sample; },
           "folder of the sample", {}, nullptr, "", Resuming::may_differ},
     Field{"", "tests", [](Settings& s) -> Slot { return &s.tests; },
@@ -123,9 +129,9 @@ const std::array table{
     Field{"", "runs", [](Settings& s) -> Slot { return &s.runs; },
           "simulations in the first design (calibrate, crosstest: 20, and 20 for each fitted parameter; diagnose likewise, at most 80; bulk: 959)", count(1), nullptr, "N"},
     Field{"", "method", [](Settings& s) -> Slot { return &s.method; },
-          "of the verb bulk: how parameters are found", {}, methods, "emulator|inverse-kriging"},
+          "of the verb bulk: how parameters are found", {}, methods, "emulator|inverse-kriging", Resuming::must_agree, bulk_and_bench},
     Field{"", "confirm", [](Settings& s) -> Slot { return &s.confirm; },
-          "of the verb bulk: samples whose estimate is confirmed by direct runs", {}, nullptr, "all|N|none", Resuming::may_differ},
+          "of the verb bulk: samples whose estimate is confirmed by direct runs", {}, nullptr, "all|N|none", Resuming::may_differ, bulk_and_bench},
     Field{"", "inputs_digest", [](Settings& s) -> Slot { return &s.inputs_digest; },
           "of the sample's files and the packing; worked out anew for each run"},
 
@@ -224,6 +230,10 @@ std::string Limits::text() const {
     if (upper < infinity) text += fmt::format("{} {}", open_upper ? "below" : "at most", upper);
     if (lower == -infinity && upper == infinity) text += "a finite number";
     return text;
+}
+
+bool Field::is_option_of(std::string_view verb) const {
+    return !option.empty() && (!verbs || std::ranges::count(verbs(), verb) > 0);
 }
 
 std::string Field::path() const {

@@ -43,7 +43,10 @@ struct Field {
     std::vector<std::string_view> (*choices)() = nullptr;  // of names; none: any text
     std::string_view option = "";  // what stands for the value in the help text; empty: not an option
     Resuming resuming = Resuming::must_agree;
+    std::vector<std::string_view> (*verbs)() = nullptr;  // whose option it is; none: of all with settings
 
+    /// Whether it is an option of that verb.
+    bool is_option_of(std::string_view verb) const;
     /// "engine.damping", or the key alone at the top level.
     std::string path() const;
 };

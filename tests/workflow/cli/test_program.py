@@ -84,6 +84,9 @@ class WrongWords(ProgramTest):
 
     def test_unknown_option(self):
         self.refused("calibrate", SAND, "--partciles", 300, says="'--partciles' is not an option of loam calibrate; did you mean '--particles'?")
+        self.refused("calibrate", SAND, "--method", "inverse-kriging",
+                     says="'--method' is not an option of loam calibrate; it is one of loam bulk, loam bench")
+        self.refused("diagnose", SAND, "--twins=3", says="'--twins' is not an option of loam diagnose; it is one of loam bench")
         self.refused("check", SAND, "--seed=3", says="'--seed' is not an option of loam check")
 
     def test_one_word_too_many(self):
