@@ -180,8 +180,8 @@ FirstLook first_look(const Data& data, const CurveEmulatorOptions& options, int&
     const Index varying = (basis.score_variance.array() > 1e-8 * basis.score_variance.sum()).count();
     const Index count = allowed(varying, options.max_components, data.groups);
     const auto processes = fit_components(data, scores, 0, count, quick, evaluations);
-    const MatrixXd noise = estimate_noise_covariance({data.groups, scores, processes}, level);
-    FirstLook look{basis.from_scores * noise * basis.from_scores.transpose(), level};
+    FirstLook look{estimate_noise_covariance({data.groups, scores, processes}, level, basis.from_scores),
+                   level};
     // Directions in which the noise seems next to nothing are the worst known; they must not lead.
     look.metric.diagonal() *= 1 + metric_ridge;
     if (!options.noise_slope) return look;
@@ -234,9 +234,9 @@ CurveEmulator CurveEmulator::fit(const MatrixXd& inputs, const MatrixXd& outputs
                           options.threads};
     Signal signal = fit_signal(data, emulator.basis_, scores, careful, summary.evaluations);
     emulator.processes_ = std::move(signal.processes);
-    const MatrixXd noise = estimate_noise_covariance({data.groups, scores, emulator.processes_}, look.slope);
-    const MatrixXd& back = emulator.basis_.from_scores;
-    emulator.noise_ = {back * noise * back.transpose(), look.slope};
+    emulator.noise_ = {estimate_noise_covariance({data.groups, scores, emulator.processes_}, look.slope,
+                                                 emulator.basis_.from_scores),
+                       look.slope};
 
     const VectorXd& variance = emulator.basis_.score_variance;
     summary.stopped_by = signal.cut ? "most components allowed" : "the rest is noise";

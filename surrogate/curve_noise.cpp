@@ -15,6 +15,7 @@ namespace {
 constexpr double least_eigenvalue = 0.05;  // of a correlation matrix
 constexpr double steepest_slope = 8;   // a noise that varies by more than e^8 over an input is not believed
 constexpr double least_level = 1e-12;  // of a score that never changes
+constexpr double least_variance_ratio = 0.1;  // moments, being unbiased, may even be negative
 
 VectorXd noise_factor(const MatrixXd& inputs, const VectorXd& slope) {
     return ((inputs.array() - 0.5).matrix() * slope).array().exp();
@@ -136,13 +137,27 @@ MatrixXd correlation_of(const Moments& moments, Index q) {
     return made_definite(result);
 }
 
+// What the standard deviations [m] of a covariance of the outputs must be multiplied by to be those of the
+// moments as they are; factors are drawn to their mean as far as their spread is chance.
+VectorXd output_scale(const MatrixXd& covariance, const MatrixXd& back, const Moments& moments) {
+    const MatrixXd unbiased = moments.products.cwiseQuotient(moments.freedom.cwiseMax(1.0));
+    const VectorXd variance = (back * unbiased * back.transpose()).diagonal();
+    const ArrayXd log_ratio =
+        variance.cwiseQuotient(covariance.diagonal()).array().max(least_variance_ratio).log();
+    const double mean = log_ratio.mean(), chance = 2 / moments.freedom.mean();
+    const double spread = (log_ratio - mean).square().mean();
+    const double share = spread > chance ? 1 - chance / spread : 0.0;
+    return (0.5 * (mean + share * (log_ratio - mean))).exp();
+}
+
 }  // namespace
 
 double CurveNoise::scale(const Eigen::Ref<const VectorXd>& x) const {
     return std::exp(slope.dot((x.array() - 0.5).matrix()));
 }
 
-MatrixXd estimate_noise_covariance(const NoiseEvidence& evidence, const VectorXd& slope) {
+MatrixXd estimate_noise_covariance(const NoiseEvidence& evidence, const VectorXd& slope,
+                                   const MatrixXd& from_scores) {
     const ReplicateGroups& groups = evidence.groups;
     const VectorXd level_sd = noise_levels(evidence, slope).cwiseSqrt();
     const MatrixXd sd = noise_factor(groups.inputs, slope).cwiseSqrt() * level_sd.transpose();
@@ -150,7 +165,10 @@ MatrixXd estimate_noise_covariance(const NoiseEvidence& evidence, const VectorXd
     const MatrixXd deviations = groups.deviations(evidence.scores).cwiseQuotient(for_each_run(groups, sd));
     moments.products += deviations.transpose() * deviations;
     moments.freedom.array() += static_cast<double>(groups.rows() - groups.size());
-    return level_sd.asDiagonal() * correlation_of(moments, emulated(evidence)) * level_sd.asDiagonal();
+    const MatrixXd back = from_scores * level_sd.asDiagonal();
+    const MatrixXd covariance = back * correlation_of(moments, emulated(evidence)) * back.transpose();
+    const VectorXd scale = output_scale(covariance, back, moments);
+    return scale.asDiagonal() * covariance * scale.asDiagonal();
 }
 
 VectorXd estimate_noise_slope(const NoiseEvidence& evidence) {

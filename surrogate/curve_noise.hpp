@@ -35,13 +35,17 @@ struct NoiseEvidence {
 /// processes fitted without one. One slope for all scores, from the same sources as the covariance below.
 Eigen::VectorXd estimate_noise_slope(const NoiseEvidence& evidence);
 
-/// Covariance of the scores [m x m] at the centre of the cube, given the slope [d] of its logarithm.
-/// Levels: a process's nugget; beyond the processes, the scores' whole variance (which holds the signal that
-/// is not emulated), drawn to their mean as far as their spread is chance (after Ledoit & Wolf 2004).
-/// Correlations: moments of the residuals of processes and further scores, and of the replicates' deviations,
-/// all in units of their level, unbiased for a given smoothness of the processes; drawn to zero as far as
-/// their spread is chance; eigenvalues below 0.05 are raised.
-Eigen::MatrixXd estimate_noise_covariance(const NoiseEvidence& evidence, const Eigen::VectorXd& slope);
+/// Covariance of the outputs [m x m] at the centre of the cube, given the slope [d] of its logarithm and
+/// from_scores [m x m] of the basis.
+/// Levels of the scores: a process's nugget; beyond the processes, the scores' whole variance (which holds
+/// the signal that is not emulated), drawn to their mean as far as their spread is chance (after Ledoit &
+/// Wolf 2004). Correlations: moments of the residuals of processes and further scores, and of the replicates'
+/// deviations, all in units of their level, unbiased for a given smoothness of the processes; drawn to zero
+/// as far as their spread is chance; eigenvalues below 0.05 are raised. Variances of the outputs: scaled to
+/// what the same moments, not drawn to anything, say of them. Outputs vary as sums over all pairs of scores,
+/// so that correlations each too small to be believed add up to much of it.
+Eigen::MatrixXd estimate_noise_covariance(const NoiseEvidence& evidence, const Eigen::VectorXd& slope,
+                                          const Eigen::MatrixXd& from_scores);
 
 /// Slope b [d] of log v in s_g ~ v exp(b . (x_g - 1/2)) chi^2(freedom_g), for sums of squares s [g] at inputs
 /// [g x d]; maximum likelihood with the level v profiled out, at most 8 in size, and zero unless BIC prefers

@@ -232,6 +232,34 @@ TEST(CurveEmulator, TellsInputsApartWhoseCurvesAreAlike) {
     EXPECT_GE(told_apart, 4);
 }
 
+// More outputs than inputs and smooth noise. Of the correlations between scores each is too small to be
+// believed, but together they make nearly half of the outputs' variance.
+TEST(CurveEmulator, KnowsTheSizeOfSmoothNoiseOnManyOutputs) {
+    constexpr Index n = 57, m = 96;
+    const Eigen::ArrayXd s = Eigen::ArrayXd::LinSpaced(m, 0.05, 1);
+    MatrixXd covariance(m, m);
+    for (Index i = 0; i < m; ++i)
+        for (Index j = 0; j < m; ++j) {
+            const double distance = static_cast<double>(i - j) / 6;
+            covariance(i, j) = 0.01 * (std::exp(-distance * distance) + (i == j ? 0.01 : 0));
+        }
+    for (const std::uint64_t seed : {1, 2, 3}) {
+        optimizers::Random random(seed);
+        MatrixXd inputs(n + 24, 2), outputs(n + 24, m);
+        inputs.topRows(n) = maximin_latin_hypercube(n, 2, seed);
+        for (Index i = 0; i < 24; ++i) inputs.row(n + i) = inputs.row(i / 4);
+        for (Index i = 0; i < inputs.rows(); ++i) {
+            const double a = inputs(i, 0), b = inputs(i, 1);
+            outputs.row(i) = (a * 3 * s + (0.3 + b) * (6 * s).cos() + a * b * (4 * s).sin()).matrix() +
+                             draw(covariance, random);
+        }
+        const auto emulator = CurveEmulator::fit(inputs, outputs);
+        // About 80 runs: the variances' mean is known to some 5 %, for it varies in only twenty directions.
+        EXPECT_NEAR(emulator.noise().centre.trace() / covariance.trace(), 1, 0.17);
+        EXPECT_NEAR(emulator.leave_one_out().coverage.mean(), 0.9, 0.03);
+    }
+}
+
 // A third shape that only inputs of x0 > 0.8 show, at a few times the noise, and a crowd of runs elsewhere,
 // as rounds about an estimate add: in the variance over all inputs it drowns, and places that show it would
 // be taken for places that do not.
