@@ -44,12 +44,12 @@ TriedSet tried(const Calibration& c) {
     return {c.fit.estimate, curves.colwise().mean().transpose(), static_cast<double>(curves.rows())};
 }
 
-/// Runs drawn from the posterior: distinct draws, evenly over the chains.
+/// Runs drawn where they are worth most: distinct draws, evenly over the chains.
 std::vector<RunSpec> added_runs(const Campaign& campaign, const Fit& fit, std::uint64_t round, bool follows) {
-    const MatrixXd& draws = fit.posterior.draws;
-    const int count = runs_to_add(fit, campaign.settings().calibration.runs_per_round, follows);
+    const AddedRuns count = runs_to_add(fit, campaign.settings().calibration.runs_per_round, follows);
     std::vector<RunSpec> specs;
-    for (int k = 0; k < count; ++k) {
+    for (int k = 0; k < count.posterior + count.plausible; ++k) {
+        const MatrixXd& draws = k < count.posterior ? fit.posterior.draws : fit.plausible;
         const auto at = round * round_size + static_cast<std::uint64_t>(k);
         const Index row = static_cast<Index>(run_seed(campaign.settings().seed, at, draw_stream) %
                                              static_cast<std::uint64_t>(draws.rows()));
@@ -74,7 +74,7 @@ CalibrationRound compare(const Campaign& campaign, const Calibration& c, const O
     return round;
 }
 
-/// Appends runs drawn from the posterior, and the direct runs, to those that the next emulator is trained on;
+/// Appends runs about the fit, and the direct runs, to those that the next emulator is trained on;
 /// of direct runs on packings on which sets are compared only that they fail.
 void add_runs(Campaign& campaign, const Calibration& c, std::vector<RunRecord>& runs, int round,
               const CalibrationTask& task) {

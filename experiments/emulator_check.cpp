@@ -73,9 +73,12 @@ bool is_sure(const Fit& fit) {
     return fit.emulator_share <= tolerable_share && outside_posterior(fit) < 0;
 }
 
-int runs_to_add(const Fit& fit, int whole, bool follows) {
-    if (outside_posterior(fit) < 0) return whole;
-    return follows ? std::min(whole, 2) : (whole + 3) / 4;
+AddedRuns runs_to_add(const Fit& fit, int whole, bool follows) {
+    if (is_sure(fit)) return {whole, 0};
+    if (outside_posterior(fit) < 0) return {(whole + 1) / 2, whole / 2};
+    if (follows) return {std::min(whole, 2), 0};
+    const int few = (whole + 3) / 4;
+    return {few, whole - few};
 }
 
 EmulatorCheck check_emulator(const Fit& fit, const TrainedEmulator& trained, const Observation& observation,

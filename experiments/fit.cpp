@@ -218,14 +218,15 @@ Feasibility feasibility_of(const std::vector<RunRecord>& runs, const ParameterSp
     return {x, success};
 }
 
-Window plausible_window(const Likelihood& likelihood, const Settings& settings) {
+/// See Fit::plausible.
+MatrixXd plausible_draws(const Likelihood& likelihood, const Settings& settings) {
     const VectorXd open = likelihood.typical_variance();
     const auto density = [&](const VectorXd& theta, VectorXd*) {
         return likelihood.log_representative(theta, open);
     };
-    const optimizers::Posterior posterior = optimizers::sample_posterior(
-        density, optimizers::unit_cube(likelihood.dimension()), sampling_options(settings, 14));
-    return window_about(posterior.draws.leftCols(likelihood.parameters()));
+    return optimizers::sample_posterior(density, optimizers::unit_cube(likelihood.dimension()),
+                                        sampling_options(settings, 14))
+        .draws;
 }
 
 /// The set's coordinates with the misfits' that are most probable by its direct runs, and that log density.
@@ -274,15 +275,17 @@ TrainedEmulator train_emulator(const std::vector<RunRecord>& runs, const Paramet
 
 Window plausible_window(const TrainedEmulator& trained, const ParameterSpace& space,
                         const Observation& observation, const Settings& settings) {
-    return plausible_window({trained, space, observation, settings.calibration.confirmation_packings},
-                            settings);
+    const Likelihood likelihood(trained, space, observation, settings.calibration.confirmation_packings);
+    return window_about(plausible_draws(likelihood, settings).leftCols(likelihood.parameters()));
 }
 
 Fit fit(const TrainedEmulator& trained, const ParameterSpace& space, const Observation& observation,
         const Settings& settings) {
     const Likelihood likelihood(trained, space, observation, settings.calibration.confirmation_packings);
     const Index n = likelihood.dimension(), d = likelihood.parameters();
-    const Window window = plausible_window(likelihood, settings);
+    Fit out;
+    out.plausible = plausible_draws(likelihood, settings);
+    const Window window = window_about(out.plausible.leftCols(d));
     optimizers::Bounds box = optimizers::unit_cube(n);
     box.lower.head(d) = window.lower;
     box.upper.head(d) = window.upper;
@@ -295,7 +298,6 @@ Fit fit(const TrainedEmulator& trained, const ParameterSpace& space, const Obser
     start.head(d) = start.head(d).cwiseMax(window.lower).cwiseMin(window.upper);
     for (Index k = d; k < n; ++k) start[k] = likelihood.misfit_prior_of(k - d).quantile_unit(0.5);
 
-    Fit out;
     out.posterior = optimizers::sample_posterior(
         [&](const VectorXd& t, VectorXd*) { return likelihood.log_posterior(t); }, box,
         sampling_options(settings, 13));

@@ -42,8 +42,11 @@ struct Fit {
     Eigen::VectorXd estimate;  // [d] most probable coordinates in the unit cube, were the emulator right
     Eigen::VectorXd
         misfits;  // sizes of what the model cannot follow, at the estimate: ObservedCurve::misfit_sd
-    double log_posterior = 0;           // at the estimate, up to a constant
-    optimizers::Posterior posterior;    // draws [n x d+misfits]: coordinates, misfits'
+    double log_posterior = 0;         // at the estimate, up to a constant
+    optimizers::Posterior posterior;  // draws [n x d+misfits]: coordinates, misfits'
+    // Draws [k x d+misfits] of the posterior were the emulator as sure everywhere as it typically is between
+    // its runs: not drawn to where it knows nothing and so excludes nothing.
+    Eigen::MatrixXd plausible;
     Eigen::MatrixXd covariance;         // [m x m] of the residuals at the estimate, transformed scale
     double emulator_share = 0;          // of the residuals' variance, mean over the posterior's draws
     optimizers::Summary global, local;  // of the search for the estimate
@@ -66,8 +69,7 @@ struct TriedSet {
 std::size_t choose(Fit& fit, const std::vector<TriedSet>& sets, const TrainedEmulator& trained,
                    const ParameterSpace& space, const Observation& observation, const Settings& settings);
 
-/// Where the parameters are plausible, were the emulator as sure everywhere as it typically is between its
-/// runs: a posterior that is not drawn to where the emulator knows nothing and so excludes nothing.
+/// Where the parameters are plausible: the window about Fit::plausible.
 Window plausible_window(const TrainedEmulator& trained, const ParameterSpace& space,
                         const Observation& observation, const Settings& settings);
 

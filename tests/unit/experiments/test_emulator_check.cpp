@@ -143,13 +143,17 @@ TEST(EmulatorCheck, IsSureWhereThePosteriorIsAboutTheEstimateAndNotTheEmulators)
     EXPECT_EQ(outside_posterior(posterior_about_a_half(0.3, 0)), 0);
 }
 
-TEST(EmulatorCheck, FewRunsAreAddedAboutAPosteriorThatIsAstray) {
-    const Fit unsure = posterior_about_a_half(0.5, 1), astray = posterior_about_a_half(0.7, 0);
-    for (const bool follows : {false, true}) EXPECT_EQ(runs_to_add(unsure, 24, follows), 24);
-    EXPECT_EQ(runs_to_add(astray, 24, false), 6);
-    EXPECT_EQ(runs_to_add(astray, 24, true), 2);
-    EXPECT_EQ(runs_to_add(astray, 1, false), 1);
-    EXPECT_EQ(runs_to_add(astray, 1, true), 1);
+TEST(EmulatorCheck, RunsAreAddedByHowMuchOfThePosteriorIsIgnorance) {
+    const Fit sure = posterior_about_a_half(0.5, 0.1), unsure = posterior_about_a_half(0.5, 1),
+              astray = posterior_about_a_half(0.7, 0);
+    for (const bool follows : {false, true}) {
+        EXPECT_EQ(runs_to_add(sure, 24, follows), (AddedRuns{24, 0}));
+        EXPECT_EQ(runs_to_add(unsure, 24, follows), (AddedRuns{12, 12}));
+        EXPECT_EQ(runs_to_add(unsure, 1, follows), (AddedRuns{1, 0}));
+        EXPECT_EQ(runs_to_add(astray, 1, follows), (AddedRuns{1, 0}));
+    }
+    EXPECT_EQ(runs_to_add(astray, 24, false), (AddedRuns{6, 18}));
+    EXPECT_EQ(runs_to_add(astray, 24, true), (AddedRuns{2, 0}));
 }
 
 }  // namespace
