@@ -111,6 +111,16 @@ class Likelihood {
                              open);
     }
 
+    /// As it is expected to be, were the emulator's curve known. The estimate is sought by it: by the mean
+    /// curve alone a search ends where the emulator's error flatters, by the posterior where it knows
+    /// nothing.
+    double log_expected(const VectorXd& theta) const {
+        const auto at = trained_.emulator.predict_components(theta.head(parameters()));
+        return log_density(theta, trained_.emulator.offset() + loadings_ * at.mean,
+                           at.variance.cwiseMin(most_open_), observation_.packing_share,
+                           &ResidualFactor::expected_log_density);
+    }
+
     /// With the mean curve [m] of `runs` direct runs at theta in place of the emulator's.
     double log_by_runs(const VectorXd& theta, const VectorXd& mean, double runs) const {
         const VectorXd none = VectorXd::Zero(loadings_.cols());
@@ -141,8 +151,9 @@ class Likelihood {
 
     /// For a model whose mean curve [m] is known but for `open` [q], and differs from the measured specimens
     /// by `packings` times the variance of a run.
-    double log_density(const VectorXd& theta, const VectorXd& mean, const VectorXd& open,
-                       double packings) const {
+    template <class Value = std::optional<double> (ResidualFactor::*)() const>
+    double log_density(const VectorXd& theta, const VectorXd& mean, const VectorXd& open, double packings,
+                       Value value = &ResidualFactor::log_density) const {
         const CurveNoise& noise = trained_.emulator.noise();
         const double scale = noise.scale(theta.head(parameters()));
         const VectorXd residuals = target_ - mean - large_specimen(scale);
@@ -153,7 +164,7 @@ class Likelihood {
             readings_.add(misfits, block, at.first);
             if (!factor.add(at, block)) return -INFINITY;
         }
-        const std::optional<double> density = factor.log_density();
+        const std::optional<double> density = (factor.*value)();
         if (!density) return -INFINITY;
         return *density + log_prior(theta) +
                packings_ * trained_.feasibility.log_success(theta.head(parameters()));
@@ -169,12 +180,13 @@ class Likelihood {
     VectorXd target_, large_specimen_;  // [m] at noise of scale 1
 };
 
-/// Refines the estimate by least squares with the covariance held at it; keeps whichever is more probable.
-void refine(const Likelihood& likelihood, const VectorXd& open, VectorXd& theta, double& value,
-            optimizers::Summary& summary) {
+/// Refines the estimate by least squares with the covariance held at it; keeps whichever is expected to be
+/// more probable.
+void refine(const Likelihood& likelihood, VectorXd& theta, double& value, optimizers::Summary& summary) {
     const Index d = likelihood.parameters();
+    const VectorXd known = VectorXd::Zero(likelihood.typical_variance().size());
     for (int pass = 0; pass < 3; ++pass) {
-        const Eigen::LLT<MatrixXd> factor(likelihood.covariance(theta, open));
+        const Eigen::LLT<MatrixXd> factor(likelihood.covariance(theta, known));
         if (factor.info() != Eigen::Success) return;
         const auto residuals = [&](const VectorXd& x, VectorXd& r, MatrixXd* jacobian) {
             likelihood.residuals(x, factor, r, jacobian);
@@ -184,7 +196,7 @@ void refine(const Likelihood& likelihood, const VectorXd& open, VectorXd& theta,
         summary = found.minimum.summary;
         VectorXd candidate = theta;
         candidate.head(d) = found.minimum.x;
-        const double better = likelihood.log_representative(candidate, open);
+        const double better = likelihood.log_expected(candidate);
         if (!(better > value)) return;
         theta = candidate;
         value = better;
@@ -229,14 +241,16 @@ MatrixXd plausible_draws(const Likelihood& likelihood, const Settings& settings)
         .draws;
 }
 
-/// The set's coordinates with the misfits' that are most probable by its direct runs, and that log density.
-std::pair<VectorXd, double> most_probable_misfits(const Likelihood& likelihood, const TriedSet& set) {
+/// The coordinates x [d] with the misfits' that maximise a log density, and its value there.
+template <class LogDensity>
+std::pair<VectorXd, double> most_probable_misfits(const Likelihood& likelihood, const VectorXd& x,
+                                                  const LogDensity& log_density) {
     const Index d = likelihood.parameters(), misfits = likelihood.misfits();
     VectorXd theta(d + misfits);
-    theta.head(d) = set.x;
+    theta.head(d) = x;
     const auto negative = [&](const VectorXd& at, VectorXd*) {
         theta.tail(misfits) = at;
-        return -likelihood.log_by_runs(theta, set.mean, set.runs);
+        return -log_density(theta);
     };
     const optimizers::Minimum found = optimizers::minimise("sbplx", negative, optimizers::unit_cube(misfits),
                                                            VectorXd::Constant(misfits, 0.5));
@@ -311,25 +325,27 @@ Fit fit(const TrainedEmulator& trained, const ParameterSpace& space, const Obser
         out.emulator_share += emulator / all / static_cast<double>(looks.rows());
     }
 
-    const VectorXd open = VectorXd::Zero(trained.emulator.components());
-    const auto negative = [&](const VectorXd& theta, VectorXd*) {
-        return -likelihood.log_representative(theta, open);
-    };
+    const auto negative = [&](const VectorXd& theta, VectorXd*) { return -likelihood.log_expected(theta); };
     const optimizers::Minimum global =
         optimizers::minimise(settings.calibration.global_optimizer, negative, box, start, options);
     out.global = global.summary;
     VectorXd theta = global.x;
     double value = -global.value;
-    refine(likelihood, open, theta, value, out.local);
+    refine(likelihood, theta, value, out.local);
     // The chains may have met a better point than the search did.
     for (Index k = 0; k < looks.rows(); ++k) {
         VectorXd other = looks.row(k).transpose();
-        double there = likelihood.log_representative(other, open);
+        double there = likelihood.log_expected(other);
         if (there <= value) continue;
-        refine(likelihood, open, other, there, out.local);
+        refine(likelihood, other, there, out.local);
         theta = other;
         value = there;
     }
+    // The expectation makes what is not known a misfit of the model's.
+    const VectorXd known = VectorXd::Zero(trained.emulator.components());
+    theta = most_probable_misfits(likelihood, theta.head(d), [&](const VectorXd& t) {
+                return likelihood.log_representative(t, known);
+            }).first;
     out.estimate = theta.head(d);
     out.misfits = likelihood.misfits_at(theta);
     out.log_posterior = likelihood.log_posterior(theta);
@@ -345,7 +361,9 @@ std::size_t choose(Fit& fit, const std::vector<TriedSet>& sets, const TrainedEmu
     double greatest = -INFINITY;
     std::size_t best = 0;
     for (std::size_t k = 0; k < sets.size(); ++k) {
-        const auto [at, density] = most_probable_misfits(likelihood, sets[k]);
+        const auto [at, density] = most_probable_misfits(likelihood, sets[k].x, [&](const VectorXd& t) {
+            return likelihood.log_by_runs(t, sets[k].mean, sets[k].runs);
+        });
         if (k > 0 && density <= greatest) continue;
         theta = at;
         greatest = density;

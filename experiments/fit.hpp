@@ -39,7 +39,7 @@ TrainedEmulator train_emulator(const std::vector<RunRecord>& runs, const Paramet
                                const std::vector<OutputTransform>& transforms, const Settings& settings);
 
 struct Fit {
-    Eigen::VectorXd estimate;  // [d] most probable coordinates in the unit cube, were the emulator right
+    Eigen::VectorXd estimate;  // [d] coordinates in the unit cube that are expected to be the most probable
     Eigen::VectorXd
         misfits;  // sizes of what the model cannot follow, at the estimate: ObservedCurve::misfit_sd
     double log_posterior = 0;         // at the estimate, up to a constant

@@ -38,4 +38,9 @@ std::optional<double> ResidualFactor::log_density() const {
     return -0.5 * (log_det + squares_ - inner.matrixL().solve(projected_).squaredNorm());
 }
 
+double ResidualFactor::expected_log_density() const {
+    const double open = gram_.trace() - static_cast<double>(gram_.rows());
+    return -0.5 * (log_det_ + squares_ + open);
+}
+
 }  // namespace loam::experiments

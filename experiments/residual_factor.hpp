@@ -28,6 +28,11 @@ class ResidualFactor {
     /// -(log det C + r' C^-1 r) / 2 of what was added; empty if C is not positive definite.
     std::optional<double> log_density() const;
 
+    /// -(log det B + E[r' B^-1 r]) / 2, B being the blocks alone and the mean taken over what the emulator
+    /// leaves open: the log density as it is expected to be, were the emulator's curve known. Ignorance only
+    /// lowers it.
+    double expected_log_density() const;
+
   private:
     const Eigen::MatrixXd& loadings_;
     const Eigen::VectorXd& residuals_;

@@ -53,6 +53,21 @@ TEST(ResidualFactor, GivesTheDensityOfTheDenseMatrix) {
     EXPECT_NEAR(*factor.log_density(), expected, 1e-8 * std::abs(expected));
 }
 
+TEST(ResidualFactor, ExpectsTheMeanDensityOverWhatIsOpen) {
+    const Case given;
+    ResidualFactor factor(given.loadings, given.variance, given.residuals);
+    for (const Stretch& at : given.stretches) {
+        MatrixXd block = given.block(at);
+        ASSERT_TRUE(factor.add(at, block));
+    }
+    // E[r' B^-1 r] of residuals r about the given ones, spread as the emulator leaves them.
+    const MatrixXd spread = given.residuals * given.residuals.transpose() +
+                            given.loadings * given.variance.asDiagonal() * given.loadings.transpose();
+    const double by_hand =
+        -0.5 * (std::log(given.blocks.determinant()) + (given.blocks.inverse() * spread).trace());
+    EXPECT_NEAR(factor.expected_log_density(), by_hand, 1e-8 * std::abs(by_hand));
+}
+
 TEST(ResidualFactor, RefusesABlockThatIsNotPositiveDefinite) {
     const Case given;
     ResidualFactor factor(given.loadings, given.variance, given.residuals);
