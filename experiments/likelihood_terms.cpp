@@ -15,12 +15,14 @@ namespace {
 // start says little of the end.
 constexpr double correlation_length = 0.25;
 
-MatrixXd correlation(const ObservedCurve& curve) {
-    const Index n = curve.along.size();
+MatrixXd correlation(const ObservedCurve& curve, const VectorXd& measured) {
+    const VectorXd along =
+        curve.is_strain ? places_along(measured.segment(curve.first, curve.count)) : curve.along;
+    const Index n = along.size();
     MatrixXd out(n, n);
     for (Index j = 0; j < n; ++j)
         for (Index i = 0; i < n; ++i)
-            out(i, j) = std::exp(-std::abs(curve.along[i] - curve.along[j]) / correlation_length);
+            out(i, j) = std::exp(-std::abs(along[i] - along[j]) / correlation_length);
     return out;
 }
 
@@ -40,7 +42,7 @@ ReadingNoise::ReadingNoise(const Observation& observation, const std::vector<Out
         if (specimens_.empty() || curve.test != test) specimens_.push_back({curve.first, 0});
         test = curve.test;
         specimens_.back().count += curve.count;
-        correlations_.push_back(correlation(curve));
+        correlations_.push_back(correlation(curve, observation.measured));
         for (Index k = curve.first; k < curve.first + curve.count; ++k) {
             const double y = observation.measured[k];
             slope_[k] = transforms[static_cast<std::size_t>(k)].derivative(std::max(y, 0.0));

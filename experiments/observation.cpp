@@ -43,7 +43,6 @@ struct ChannelModel {
     std::optional<OutputTransform> transform;  // its scale in the unit
     double relative, floor;
     double tolerable_difference;
-    bool correlated;
     double usual_misfit;  // that the size is a multiple of
     double least_misfit;
     surrogate::Prior misfit;
@@ -59,33 +58,26 @@ const ChannelModel channel_models[] = {
      0.01,
      5e-5,
      2.5e-3,
-     false,
      1,
      0,
      {surrogate::PriorKind::lognormal, -3.5, 0.5, 2e-5, 0.05}},
     // ln(1 + q/p) is the logarithm of the stress ratio. Misfit: some percent of the cell pressure.
     {lab_data::TestKind::triaxial, "deviatoric_stress", Unit::cell_pressure, OutputTransform{1, false}, 0.01,
-     5e-3, 0.05, true, 0.05, stress_between_codes, shared_misfit},
+     5e-3, 0.05, 0.05, stress_between_codes, shared_misfit},
     // Changes its sign. Burettes read it to some 1e-4.
     {lab_data::TestKind::triaxial, "volumetric_strain", Unit::si, OutputTransform{0.01, true}, 0.01, 2e-4,
-     2.5e-3, true, 0.003, volume_between_codes, shared_misfit},
+     2.5e-3, 0.003, volume_between_codes, shared_misfit},
     {lab_data::TestKind::direct_shear, "shear_stress", Unit::normal_stress, OutputTransform{1, false}, 0.01,
-     5e-3, 0.025, true, 0.03, stress_between_codes, shared_misfit},
+     5e-3, 0.025, 0.03, stress_between_codes, shared_misfit},
     // As the volumetric strain of a triaxial test.
     {lab_data::TestKind::direct_shear, "settlement", Unit::box_height, OutputTransform{0.01, true}, 0.01,
-     2e-4, 2.5e-3, true, 0.003, volume_between_codes, shared_misfit},
+     2e-4, 2.5e-3, 0.003, volume_between_codes, shared_misfit},
 };
 
 const ChannelModel& model_of(lab_data::TestKind kind, std::string_view channel) {
     for (const ChannelModel& model : channel_models)
         if (model.kind == kind && model.channel == channel) return model;
     throw std::logic_error("no model of the noise of channel " + std::string(channel));
-}
-
-/// Places along a curve over strain, by the root of strain: it bends most at its start.
-VectorXd places(const CampaignTest& test) {
-    const VectorXd x = test.measured(test.kind->x_name);
-    return (x / x[x.size() - 1]).cwiseMax(0.0).cwiseSqrt();
 }
 
 /// Adds one channel of a test. `used` are the kinds of test met so far, in the order of the misfits.
@@ -111,7 +103,8 @@ void append_curve(const CampaignTest& test, std::size_t channel, int specimen,
     curve.misfit = met - used.begin();
     curve.usual_misfit = model.usual_misfit;
     curve.least_misfit = model.least_misfit;
-    if (model.correlated) curve.along = places(test);
+    curve.is_strain = model.kind == lab_data::TestKind::oedometer;
+    if (!curve.is_strain) curve.along = places_along(test.measured(test.kind->x_name));
     out.curves.push_back(curve);
 
     const auto stated = test.test->measurement_sd.find(name);
@@ -139,6 +132,17 @@ double OutputTransform::inverse(double t) const {
 }
 double OutputTransform::derivative(double y) const {
     return linear ? 1 / scale : 1 / (scale + std::max(y, -0.9 * scale));
+}
+
+VectorXd places_along(const VectorXd& strain) {
+    VectorXd path(strain.size());
+    double gone = 0, before = 0;
+    for (Index k = 0; k < strain.size(); ++k) {
+        gone += std::abs(strain[k] - before);
+        path[k] = gone;
+        before = strain[k];
+    }
+    return (path / std::max(gone, std::numeric_limits<double>::min())).cwiseSqrt();
 }
 
 OutputTransform transform_for(const Observation& observation) {

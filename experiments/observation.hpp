@@ -40,14 +40,21 @@ struct ObservedCurve {
     Eigen::Index misfit = 0;               // which of the observation's misfits
     double usual_misfit = 1;               // what those are given in
     double least_misfit = 0;               // whatever their sizes
-    Eigen::VectorXd
-        along;  // [count] place along the curve in 0..1, where the misfit is correlated; else empty
+    // [count] places in 0..1 along which the misfit is correlated; those of the readings themselves where
+    // they are strains; else, empty, the misfit is independent.
+    Eigen::VectorXd along;
+    bool is_strain = false;
 
     /// Standard deviation (SI) of the misfit, from the sizes of all misfits.
     double misfit_sd(const Eigen::VectorXd& sizes) const {
         return unit * std::hypot(least_misfit, usual_misfit * sizes[misfit]);
     }
 };
+
+/// Places in 0..1 of the readings of a curve, by the root of the strain gone through since its start, back
+/// and forth: a curve bends most at its start, and what a model errs by in loading it still errs by when
+/// unloading.
+Eigen::VectorXd places_along(const Eigen::VectorXd& strain);
 
 /// Measured values of the fitted outputs.
 struct Observation {

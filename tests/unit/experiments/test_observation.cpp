@@ -47,6 +47,29 @@ TEST(Observation, ManyReadingsOfACurveWeighNoMoreThanEnough) {
     EXPECT_NEAR(information(400) / information(10), 1, 0.1);
 }
 
+TEST(Observation, PlacesFollowTheStrainGoneThroughBackAndForth) {
+    const VectorXd rising = places_along(VectorXd{{0.01, 0.04, 0.16}});
+    EXPECT_TRUE(rising.isApprox(VectorXd{{0.25, 0.5, 1}}));
+    const VectorXd unloading = places_along(VectorXd{{0.04, 0.12, 0.1, 0.08}});
+    EXPECT_TRUE(unloading.isApprox(VectorXd{{0.5, std::sqrt(0.75), std::sqrt(0.875), 1}}));
+    EXPECT_TRUE(places_along(VectorXd::Zero(2)).isZero(0));
+}
+
+TEST(Observation, TheMisfitOfStrainsIsCorrelatedAlongThemselves) {
+    Observation strains = even_curve(3), given = strains;
+    strains.measured = given.measured = VectorXd{{0.02, 0.08, 0.06}};
+    strains.curves[0].along.resize(0);
+    strains.curves[0].is_strain = true;
+    given.curves[0].along = places_along(given.measured);
+    const auto covariance = [](const Observation& o) {
+        MatrixXd c = MatrixXd::Zero(3, 3);
+        ReadingNoise(o, transforms_of(o)).add(VectorXd::Constant(1, 0.01), c);
+        return c;
+    };
+    EXPECT_EQ(covariance(strains), covariance(given));
+    EXPECT_GT(covariance(strains)(1, 2), covariance(strains)(0, 1));
+}
+
 TEST(Observation, SpecimensShareNoPackingNoise) {
     Observation o = even_curve(4);
     ObservedCurve half = o.curves[0];
