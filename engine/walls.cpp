@@ -16,7 +16,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr std::int32_t no_bond = -1;
+constexpr std::int32_t no_wall_bond = -1;
 
 Vector3d position(const ParticleRow& row) {
     return {row.x[0], row.x[1], row.x[2]};
@@ -95,7 +95,7 @@ void Walls::find_near(std::size_t number, const AlignedVector<ParticleRow>& part
             throw std::runtime_error("a particle has got behind wall " + std::to_string(number) + ", by " +
                                      std::to_string(-normal) + " m");
         const double within = particles[p].radius * (1 + 2 * reach);
-        const bool bonded = bond_of_[p] != no_bond;
+        const bool bonded = bond_of_[p] != no_wall_bond;
         const bool close = std::abs(normal) < within && along_a < half_a + within + slide &&
                            along_b < half_b + within + slide;
         if (close || bonded) near_.push_back(static_cast<std::int32_t>(p));
@@ -121,10 +121,12 @@ void Walls::fill_pairs(State& state, const AlignedVector<ParticleRow>& particles
         sum += r * r;
         const std::int32_t bond = bond_of_[static_cast<std::size_t>(i)];
         const auto from = static_cast<std::size_t>(bond);
-        for (std::size_t q = 0; q < 3; ++q) out.shear[q][k] = bond == no_bond ? 0.0 : old_.shear[q][from];
-        out.bond[k] = bond == no_bond ? bond_none : old_.bond[from];
+        for (std::size_t q = 0; q < 3; ++q)
+            out.shear[q][k] = bond == no_wall_bond ? 0.0 : old_.shear[q][from];
+        out.bond[k] = bond == no_wall_bond ? bond_none : old_.bond[from];
         for (std::size_t q = 0; q < out.further.size(); ++q)
-            out.further[q][k] = bond == no_bond || old_.further.size() <= q ? 0.0 : old_.further[q][from];
+            out.further[q][k] =
+                bond == no_wall_bond || old_.further.size() <= q ? 0.0 : old_.further[q][from];
     }
     state.mean_radius_squared = out.count > 0 ? sum / static_cast<double>(out.count) : 0;
     fill_with_dummies(out, out.count, out.padded(), count);
@@ -136,7 +138,7 @@ void Walls::rebuild(AlignedVector<ParticleRow>& particles, AlignedVector<SpinRow
     for (std::size_t number = 0; number < walls_.size(); ++number) {
         State& state = walls_[number];
         std::swap(state.pairs, old_);
-        bond_of_.assign(count, no_bond);
+        bond_of_.assign(count, no_wall_bond);
         for (std::size_t k = 0; k < old_.count; ++k)
             if (old_.bond[k] != bond_none)
                 bond_of_[static_cast<std::size_t>(old_.i[k])] = static_cast<std::int32_t>(k);

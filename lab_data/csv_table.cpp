@@ -31,17 +31,17 @@ char separator_of(std::string_view header) {
 }
 
 /// What libcsv's callbacks fill: rows, and the line at which the row in work started.
-struct Rows {
+struct RowsRead {
     std::vector<CsvRow> rows;
     CsvRow row;
 };
 
 void on_cell(void* text, std::size_t length, void* data) {
-    static_cast<Rows*>(data)->row.cells.emplace_back(static_cast<const char*>(text), length);
+    static_cast<RowsRead*>(data)->row.cells.emplace_back(static_cast<const char*>(text), length);
 }
 
 void on_row(int, void* data) {
-    auto& rows = *static_cast<Rows*>(data);
+    auto& rows = *static_cast<RowsRead*>(data);
     const bool blank = std::ranges::all_of(rows.row.cells, [](const auto& cell) { return cell.empty(); });
     if (!blank) rows.rows.push_back(std::move(rows.row));
     rows.row = {};
@@ -67,7 +67,7 @@ std::optional<std::vector<CsvRow>> split_rows(std::string_view text, const std::
     if (csv_init(&parser, CSV_STRICT | CSV_STRICT_FINI) != 0) throw std::bad_alloc();
     const std::unique_ptr<csv_parser, decltype(&csv_free)> owner(&parser, csv_free);
     bool separator_known = false;
-    Rows rows;
+    RowsRead rows;
     for (int line_number = 1; !text.empty(); ++line_number) {
         const std::string_view line = next_line(text);
         const bool row_begins = parser.pstate == 0;  // else a quoted cell goes on
@@ -130,7 +130,7 @@ bool header_is_sound(const CsvTable& table, Faults& faults) {
     return true;
 }
 
-/// Rows to the header's length: surplus empty cells go, anything else is a fault.
+/// RowsRead to the header's length: surplus empty cells go, anything else is a fault.
 bool rows_fit(CsvTable& table, Faults& faults) {
     RepeatedFault ragged(faults, table.file);
     const std::size_t columns = table.header.size();

@@ -15,9 +15,9 @@ namespace loam::lab_data {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::array<std::string_view, 9> root_keys{"name",    "kind",        "source",
-                                                    "licence", "description", "measured",
-                                                    "notes",   "attribution", "seating_stress_kPa"};
+constexpr std::array<std::string_view, 9> set_keys{"name",    "kind",        "source",
+                                                   "licence", "description", "measured",
+                                                   "notes",   "attribution", "seating_stress_kPa"};
 
 bool is_missing(std::string_view cell) {
     constexpr std::array<std::string_view, 7> marks{"", "-", "NA", "N/A", "n/a", "NaN", "nan"};
@@ -216,7 +216,7 @@ DataSet gather_data_set(const fs::path& path, Faults& faults) {
     if (!parsed) return set;
     set.folder = file->parent_path().empty() ? fs::path(".") : file->parent_path();
     const TomlTable root(*parsed, file->string(), 0, faults);
-    root.allow_only(root_keys);
+    root.allow_only(set_keys);
     read_identity(root, set, faults);
     read_kind(root, set, faults);
     const auto seating_stress = read_seating_stress(root, set, faults);

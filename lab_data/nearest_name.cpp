@@ -6,7 +6,7 @@
 namespace loam::lab_data {
 namespace {
 
-constexpr std::size_t longest_name =
+constexpr std::size_t longest_compared =
     200;  // longer ones are no typing mistakes, and the distance is quadratic
 
 std::string folded(std::string_view name) {
@@ -39,7 +39,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 }
 
 std::optional<std::string> nearest_name(std::string_view name, std::span<const std::string_view> valid) {
-    if (name.empty() || name.size() > longest_name) return std::nullopt;
+    if (name.empty() || name.size() > longest_compared) return std::nullopt;
     const std::string wanted = folded(name);
     std::optional<std::string> nearest;
     std::size_t least = 0;

@@ -14,8 +14,8 @@ namespace loam::lab_data {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::array<std::string_view, 9> root_keys{"name",  "description", "source", "licence", "measured",
-                                                    "notes", "attribution", "soil",   "test"};
+constexpr std::array<std::string_view, 9> sample_keys{"name",  "description", "source", "licence", "measured",
+                                                      "notes", "attribution", "soil",   "test"};
 constexpr std::array<std::string_view, 3> soil_keys{"grain_density_kg_m3", "grading", "properties"};
 constexpr double least_density = 500, largest_density = 20000;
 
@@ -183,7 +183,7 @@ Sample gather_sample(const fs::path& path, Faults& faults) {
     if (!parsed) return sample;
     sample.folder = file->parent_path().empty() ? fs::path(".") : file->parent_path();
     const TomlTable root(*parsed, file->string(), 0, faults);
-    root.allow_only(root_keys);
+    root.allow_only(sample_keys);
     read_identity(root, sample, faults);
     read_soil(root, *file, sample, faults);
     read_tests(root, *file, sample, faults);

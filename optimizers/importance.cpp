@@ -9,6 +9,7 @@
 
 #include "optimizers/normal.hpp"
 #include "optimizers/random.hpp"
+#include "optimizers/require.hpp"
 #include "optimizers/t_mixture.hpp"
 
 namespace loam::optimizers {
@@ -124,22 +125,19 @@ class Rounds {
     Vector log_density_, log_weight_;
 };
 
-void require(bool holds, const char* field, double value, const char* constraint) {
-    if (!holds)
-        throw std::invalid_argument("importance sampling: " + std::string(field) + " = " +
-                                    std::to_string(value) + ", but it must be " + constraint);
-}
-
 }  // namespace
 
 void ImportanceOptions::validate() const {
-    require(rounds >= 1, "rounds", rounds, "at least 1");
-    require(most_rounds >= rounds, "most_rounds", most_rounds, "at least rounds");
-    require(wanted > 1, "wanted", wanted, "above 1");
-    require(draws >= 50, "draws", draws, "at least 50");
-    require(last_draws >= 50, "last_draws", last_draws, "at least 50");
-    require(components >= 1, "components", components, "at least 1");
-    require(defensive > 0 && defensive < 1, "defensive", defensive, "between 0 and 1");
+    const auto check = [](bool holds, const char* field, auto value, const std::string& constraint) {
+        require(holds, "ImportanceOptions", field, value, constraint);
+    };
+    check(rounds >= 1, "rounds", rounds, "at least 1");
+    check(most_rounds >= rounds, "most_rounds", most_rounds, "at least rounds");
+    check(wanted > 1, "wanted", wanted, "above 1");
+    check(draws >= 50, "draws", draws, "at least 50");
+    check(last_draws >= 50, "last_draws", last_draws, "at least 50");
+    check(components >= 1, "components", components, "at least 1");
+    check(defensive > 0 && defensive < 1, "defensive", defensive, "between 0 and 1");
 }
 
 Matrix WeightedDraws::resampled(Index n) const {

@@ -6,12 +6,12 @@
 #include <limits>
 #include <memory>
 #include <numeric>
-#include <sstream>
 #include <stdexcept>
 #include <vector>
 
 #include "optimizers/mcmc_diagnostics.hpp"
 #include "optimizers/posterior_kernel.hpp"
+#include "optimizers/require.hpp"
 #include "optimizers/tempering.hpp"
 
 namespace loam::optimizers {
@@ -220,25 +220,20 @@ Posterior Sampler::run() {
     return result_;
 }
 
-template <class Value>
-void require(bool holds, const char* field, Value value, const std::string& constraint) {
-    if (holds) return;
-    std::ostringstream text;
-    text << "optimizers: PosteriorOptions::" << field << " = " << value << ", but it must be " << constraint;
-    throw std::invalid_argument(text.str());
-}
-
 }  // namespace
 
 void PosteriorOptions::validate(Eigen::Index d) const {
-    require(chains >= 2, "chains", chains, "at least 2");
-    require(wanted_ess >= 10 * chains, "wanted_ess", wanted_ess, "at least 10 per chain");
-    require(max_rhat > 1 && max_rhat < 2, "max_rhat", max_rhat, "between 1 and 2");
-    require(max_evaluations >= 20 * particles_for(d), "max_evaluations", max_evaluations,
-            "at least " + std::to_string(20 * particles_for(d)) + " for " + std::to_string(d) + " variables");
-    require(max_evaluations >= 100 * chains, "max_evaluations", max_evaluations, "at least 100 per chain");
-    require(max_seconds >= 0, "max_seconds", max_seconds, "at least 0 (0: no limit)");
-    require(max_draws >= 1, "max_draws", max_draws, "at least 1");
+    const auto check = [](bool holds, const char* field, auto value, const std::string& constraint) {
+        require(holds, "PosteriorOptions", field, value, constraint);
+    };
+    check(chains >= 2, "chains", chains, "at least 2");
+    check(wanted_ess >= 10 * chains, "wanted_ess", wanted_ess, "at least 10 per chain");
+    check(max_rhat > 1 && max_rhat < 2, "max_rhat", max_rhat, "between 1 and 2");
+    check(max_evaluations >= 20 * particles_for(d), "max_evaluations", max_evaluations,
+          "at least " + std::to_string(20 * particles_for(d)) + " for " + std::to_string(d) + " variables");
+    check(max_evaluations >= 100 * chains, "max_evaluations", max_evaluations, "at least 100 per chain");
+    check(max_seconds >= 0, "max_seconds", max_seconds, "at least 0 (0: no limit)");
+    check(max_draws >= 1, "max_draws", max_draws, "at least 1");
 }
 
 Posterior sample_posterior(const Objective& log_density, const Bounds& bounds,

@@ -7,7 +7,6 @@ namespace loam::engine {
 namespace {
 
 constexpr double half_pi = 1.5707963267948966;
-constexpr double fitted = std::numeric_limits<double>::quiet_NaN();
 
 constexpr PriorInfo friction_prior{PriorKind::normal, 0.2 * half_pi, 0.1 * half_pi, 0.01 * half_pi,
                                    0.99 * half_pi};

@@ -24,6 +24,9 @@ struct PriorInfo {
     double upper = 0;
 };
 
+/// `ParameterInfo::held` of a parameter that is fitted unless the configuration holds it.
+inline constexpr double fitted = std::numeric_limits<double>::quiet_NaN();
+
 struct ParameterInfo {
     std::string_view name;    // the field's standard name
     std::string_view symbol;  // as a paper writes it
@@ -33,7 +36,7 @@ struct ParameterInfo {
     PriorInfo prior;  // default prior when the parameter is fitted
     std::string_view meaning;
     std::string_view source;
-    double held = std::numeric_limits<double>::quiet_NaN();  // value unless a prior is stated; NaN: fitted
+    double held = fitted;  // value unless a prior is stated
 };
 
 struct LawInfo {

@@ -7,8 +7,6 @@
 namespace loam::engine {
 namespace {
 
-constexpr double fitted = std::numeric_limits<double>::quiet_NaN();
-
 constexpr std::array rolling_resistance_parameters{
     ParameterInfo{"rolling_friction",
                   "eta",

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "experiments/output/json_values.hpp"
 #include "experiments/quantile.hpp"
 #include "experiments/settings/writing.hpp"
 
@@ -17,24 +18,20 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using nlohmann::json;
 
-json to_json(const VectorXd& v) {
-    return std::vector<double>(v.begin(), v.end());
-}
-
 json samples_document(const json& result, const BulkStudy& study) {
     json out = json::array();
     for (std::size_t k = 0; k < study.samples.size(); ++k) {
         const SampleOutcome& s = study.samples[k];
         json entry = result["samples"][k];
         if (s.sample) {
-            entry["stress"] = to_json(s.sample->curve.stress);
-            entry["measured"] = to_json(s.sample->curve.strain);
+            entry["stress"] = values_of(s.sample->curve.stress);
+            entry["measured"] = values_of(s.sample->curve.strain);
         }
-        if (s.fit) entry["predicted"] = to_json(s.fit->predicted);
+        if (s.fit) entry["predicted"] = values_of(s.fit->predicted);
         if (s.direct && !s.direct->curves.empty()) {
-            entry["simulated"] = to_json(s.direct->mean);
+            entry["simulated"] = values_of(s.direct->mean);
             entry["replicates"] = json::array();
-            for (const VectorXd& curve : s.direct->curves) entry["replicates"].push_back(to_json(curve));
+            for (const VectorXd& curve : s.direct->curves) entry["replicates"].push_back(values_of(curve));
         }
         out.push_back(std::move(entry));
     }
@@ -76,7 +73,7 @@ json coverage_document(const BulkStudy& study, const StageSet& stages) {
 
 json matrix_document(const MatrixXd& m) {
     json out = json::array();
-    for (Index r = 0; r < m.rows(); ++r) out.push_back(to_json(m.row(r).transpose()));
+    for (Index r = 0; r < m.rows(); ++r) out.push_back(values_of(m.row(r).transpose()));
     return out;
 }
 
@@ -87,7 +84,7 @@ json statistics_document(const GroupStatistics& s) {
                                      {"unit", q.unit},
                                      {"log", q.logarithmic},
                                      {"result", q.is_result},
-                                     {"values", q.is_result ? to_json(q.values) : json::array()}});
+                                     {"values", q.is_result ? values_of(q.values) : json::array()}});
     for (const Grouping& g : s.groupings) {
         json entry{{"covariate", g.covariate}, {"paired", g.paired},   {"kruskal_p", g.kruskal_p},
                    {"medians", g.medians},     {"letters", g.letters}, {"groups", json::array()}};
@@ -118,8 +115,8 @@ json semivariogram_document(const BulkStudy& study, const SharedEnsemble& ensemb
         json stages = json::array();
         for (const StageSemivariogram& s : all[p])
             stages.push_back({{"stress", s.stress},
-                              {"distance", to_json(s.experimental.distance)},
-                              {"value", to_json(s.experimental.value)},
+                              {"distance", values_of(s.experimental.distance)},
+                              {"value", values_of(s.experimental.value)},
                               {"nugget", s.model.nugget},
                               {"sill", s.model.sill},
                               {"range", s.model.range}});

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "experiments/output/atomic_file.hpp"
+#include "experiments/output/json_values.hpp"
 #include "experiments/output/storage_error.hpp"
 
 namespace loam::experiments {
@@ -16,10 +17,6 @@ using Eigen::Index;
 using Eigen::VectorXd;
 using nlohmann::json;
 
-json to_json(const Eigen::Ref<const VectorXd>& v) {
-    return std::vector<double>(v.begin(), v.end());
-}
-
 VectorXd vector_of(const json& list) {
     const auto values = list.get<std::vector<double>>();
     return Eigen::Map<const VectorXd>(values.data(), static_cast<Index>(values.size()));
@@ -27,14 +24,14 @@ VectorXd vector_of(const json& list) {
 
 std::string line_of(const FittedSample& fit) {
     json entry{{"row", fit.row},
-               {"estimate", to_json(fit.estimate)},
-               {"q05", to_json(fit.quantiles.col(0))},
-               {"q50", to_json(fit.quantiles.col(1))},
-               {"q95", to_json(fit.quantiles.col(2))},
+               {"estimate", values_of(fit.estimate)},
+               {"q05", values_of(fit.quantiles.col(0))},
+               {"q50", values_of(fit.quantiles.col(1))},
+               {"q95", values_of(fit.quantiles.col(2))},
                {"misfit", fit.misfit},
                {"effective", fit.effective},
                {"emulator_share", fit.emulator_share},
-               {"predicted", to_json(fit.predicted)}};
+               {"predicted", values_of(fit.predicted)}};
     return entry.dump() + "\n";
 }
 

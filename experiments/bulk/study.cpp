@@ -20,7 +20,7 @@ namespace {
 
 using Eigen::Index;
 
-constexpr std::uint64_t design_stream = 33;
+constexpr std::uint64_t sample_design_stream = 33;
 // Of the training runs: those spread over the prior, which cost the most and teach the least, and those that
 // the emulators of the first ones place; the rest is placed by the emulators of both.
 constexpr double first_share = 0.045, second_share = 0.3;
@@ -42,7 +42,8 @@ Eigen::MatrixXd likely_design(const SharedEnsemble& ensemble, const Settings& se
     for (Index k = 0; k < std::min(n, count); ++k) {
         // With more samples than runs, every so many samples has one.
         const BulkSample& sample = samples[static_cast<std::size_t>(k * n / std::min(n, count))];
-        const std::uint64_t seed = run_seed(run_seed(settings.seed, sample.row, design_stream), place, 0);
+        const std::uint64_t seed =
+            run_seed(run_seed(settings.seed, sample.row, sample_design_stream), place, 0);
         const GroupEmulator& group = emulators.of(sample);
         Eigen::MatrixXd mine;
         try {

@@ -16,9 +16,7 @@ namespace loam::experiments {
 namespace {
 
 constexpr double largest_displacement = 0.4;  // over the box's length
-// As for the triaxial test: a specimen that yields at constant stress follows a faster rate.
-constexpr double inertial_number_factor = 3;
-constexpr double fewest_diameters = 10;  // along the box, below which it is the walls that are measured
+constexpr double fewest_diameters = 10;       // along the box, below which it is the walls that are measured
 constexpr double usual_length = 14, least_height = 6;  // of made boxes, in diameters
 constexpr double longest = 20;    // of a box that is made as it was measured, in diameters
 constexpr double most_lag = 0.2;  // of the recorded normal stress, beyond which it is not that of the plane
@@ -64,8 +62,9 @@ DirectShearOptions direct_shear_options(const Settings& settings, const lab_data
     options.isotropic_stress = std::min(1000 * settings.specimen.preparation_stress_kPa, test.normal_stress);
     options.seating_stiffness = preparation_stiffness;
     const double haste = settings.engine.haste;
-    options.inertial_number = std::min(inertial_number_factor * haste * settings.engine.inertial_number,
-                                       options.highest_inertial_number);
+    options.inertial_number =
+        std::min(yielding_inertial_number_factor * haste * settings.engine.inertial_number,
+                 options.highest_inertial_number);
     options.strain_per_step *= haste;
     for (const std::size_t k : direct_shear_readings(test))
         options.displacements.push_back(test.column("shear_displacement")[k] / test.box_length);

@@ -20,6 +20,11 @@ inline engine::SimulationOptions simulation_options(const Settings& settings, do
     return how;
 }
 
+// A specimen that yields at constant stress follows a faster rate than one that is confined: at three times
+// the oedometer's inertial number the deviatoric stress is 0.2 % (rotations blocked) to 1 % (free) above that
+// at half of it.
+inline constexpr double yielding_inertial_number_factor = 3;
+
 /// What a triaxial or direct shear run comes to, with the two channels of each of its readings.
 template <class Run, class First, class Second>
 VirtualTestResult result_of(const Run& run, double servo_error, double porosity, First first, Second second) {

@@ -14,7 +14,7 @@ namespace {
 using engine::Measurement;
 using engine::Simulation;
 
-constexpr double none = std::numeric_limits<double>::quiet_NaN();
+constexpr double uncontrolled = std::numeric_limits<double>::quiet_NaN();
 
 engine::ServoOptions steered(engine::ServoOptions servo, const TriaxialOptions& options) {
     if (options.stress_of) servo.stress_of = options.stress_of;
@@ -30,7 +30,8 @@ class Compression {
           options_(options),
           result_(result),
           cancelled_(cancelled),
-          servo_({options.cell_pressure, options.cell_pressure, none}, steered(options.lateral, options)),
+          servo_({options.cell_pressure, options.cell_pressure, uncontrolled},
+                 steered(options.lateral, options)),
           height_(simulation.cell()(2, 2)),
           volume_(simulation.volume()) {}
 

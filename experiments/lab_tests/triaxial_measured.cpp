@@ -11,18 +11,15 @@ namespace loam::experiments {
 namespace {
 
 constexpr double largest_strain = 0.5;  // beyond it the cell gets too flat
-// A specimen that yields at constant stress follows a faster rate than one that is confined: at three times
-// the oedometer's inertial number the deviatoric stress is 0.2 % (rotations blocked) to 1 % (free) above that
-// at half of it.
-constexpr double inertial_number_factor = 3;
 
 TriaxialOptions triaxial_options(const Settings& settings, const lab_data::Test& test) {
     TriaxialOptions options;
     options.cell_pressure = test.cell_pressure;
     const double haste = settings.engine.haste;
     // Beyond the highest one the servo cannot hold the lateral stress within 1 %.
-    options.inertial_number = std::min(inertial_number_factor * haste * settings.engine.inertial_number,
-                                       options.highest_inertial_number);
+    options.inertial_number =
+        std::min(yielding_inertial_number_factor * haste * settings.engine.inertial_number,
+                 options.highest_inertial_number);
     options.stress_change *= haste;
     options.strain_per_step *= haste;
     options.least_strain_per_step *= haste;

@@ -16,7 +16,7 @@ namespace {
 constexpr const char* h5_name = "ensemble.h5";
 constexpr const char* journal_name = "ensemble.journal";
 
-void require(bool condition, const std::string& message) {
+void require_run(bool condition, const std::string& message) {
     if (!condition) throw std::invalid_argument("EnsembleStore: " + message);
 }
 
@@ -132,18 +132,19 @@ void EnsembleStore::check_fits(const RunRecord& record) const {
         return static_cast<std::size_t>(values.size()) == size;
     };
     const std::string run = fmt::format("run {}: ", record.spec.index);
-    require(!records_.contains(record.spec.index), run + "is stored already");
-    require(!record.spec.purpose.empty(), run + "has no purpose");
-    require(
+    require_run(!records_.contains(record.spec.index), run + "is stored already");
+    require_run(!record.spec.purpose.empty(), run + "has no purpose");
+    require_run(
         record.spec.purpose.find('\0') == std::string::npos && record.reason.find('\0') == std::string::npos,
         run + "a text holds a byte 0");
-    require(sized(record.spec.parameters, header_.parameters.size()) && record.spec.parameters.allFinite(),
-            run + fmt::format("needs {} finite parameters", header_.parameters.size()));
-    require(record.ok == record.reason.empty(), run + "needs a reason if and only if it failed");
-    require(sized(record.outputs, record.ok ? header_.outputs.size() : 0) && record.outputs.allFinite(),
-            run + fmt::format("needs {} finite outputs, or none if it failed", header_.outputs.size()));
-    require(sized(record.diagnostics, header_.diagnostics.size()),
-            run + fmt::format("needs {} diagnostics", header_.diagnostics.size()));
+    require_run(
+        sized(record.spec.parameters, header_.parameters.size()) && record.spec.parameters.allFinite(),
+        run + fmt::format("needs {} finite parameters", header_.parameters.size()));
+    require_run(record.ok == record.reason.empty(), run + "needs a reason if and only if it failed");
+    require_run(sized(record.outputs, record.ok ? header_.outputs.size() : 0) && record.outputs.allFinite(),
+                run + fmt::format("needs {} finite outputs, or none if it failed", header_.outputs.size()));
+    require_run(sized(record.diagnostics, header_.diagnostics.size()),
+                run + fmt::format("needs {} diagnostics", header_.diagnostics.size()));
 }
 
 void EnsembleStore::append(RunRecord record) {

@@ -16,21 +16,21 @@ namespace {
 
 constexpr std::size_t longest_attribute = 32000;  // an HDF5 attribute ends at 64 kB, its header included
 
-void require(bool condition, const std::string& message) {
+void require_header(bool condition, const std::string& message) {
     if (!condition) throw std::invalid_argument("EnsembleHeader: " + message);
 }
 
 void check_text(std::string_view text, std::string_view what) {
-    require(text.find('\0') == std::string_view::npos, fmt::format("{} holds a byte 0", what));
+    require_header(text.find('\0') == std::string_view::npos, fmt::format("{} holds a byte 0", what));
 }
 
 template <typename Columns>
 void check_names(const Columns& columns, std::string_view what) {
     std::set<std::string_view> seen;
     for (const auto& column : columns) {
-        require(!column.name.empty(), fmt::format("a {} has no name", what));
-        require(seen.insert(column.name).second,
-                fmt::format("the {} '{}' is there twice", what, column.name));
+        require_header(!column.name.empty(), fmt::format("a {} has no name", what));
+        require_header(seen.insert(column.name).second,
+                       fmt::format("the {} '{}' is there twice", what, column.name));
         check_text(column.name, what);
         check_text(column.unit, what);
     }
@@ -90,26 +90,27 @@ void compare_attributes(const std::map<std::string, std::string>& there,
 }  // namespace
 
 void validate(const EnsembleHeader& header) {
-    require(!header.parameters.empty(), "parameters must not be empty");
-    require(!header.outputs.empty(), "outputs must not be empty");
+    require_header(!header.parameters.empty(), "parameters must not be empty");
+    require_header(!header.outputs.empty(), "outputs must not be empty");
     check_names(header.parameters, "parameter");
     check_names(header.diagnostics, "diagnostic");
     for (const ParameterColumn& column : header.parameters)
-        require(!std::isnan(column.lower) && !std::isnan(column.upper),
-                fmt::format("a bound of '{}' is not a number", column.name));
+        require_header(!std::isnan(column.lower) && !std::isnan(column.upper),
+                       fmt::format("a bound of '{}' is not a number", column.name));
     for (const OutputColumn& column : header.outputs) {
         for (const std::string* text :
              {&column.file, &column.channel, &column.unit, &column.x_channel, &column.x_unit})
             check_text(*text, "an output");
-        require(!column.channel.empty(), "an output has no channel");
-        require(!std::isnan(column.x), fmt::format("x of output '{}' is not a number", column.channel));
+        require_header(!column.channel.empty(), "an output has no channel");
+        require_header(!std::isnan(column.x),
+                       fmt::format("x of output '{}' is not a number", column.channel));
     }
     for (const auto& [name, value] : header.attributes) {
-        require(!name.empty(), "an attribute has no name");
-        require(name != "campaign_seed" && name != "format" && name != "format_version",
-                fmt::format("the attribute '{}' is the store's own", name));
-        require(value.size() <= longest_attribute,
-                fmt::format("the attribute '{}' is longer than {} bytes", name, longest_attribute));
+        require_header(!name.empty(), "an attribute has no name");
+        require_header(name != "campaign_seed" && name != "format" && name != "format_version",
+                       fmt::format("the attribute '{}' is the store's own", name));
+        require_header(value.size() <= longest_attribute,
+                       fmt::format("the attribute '{}' is longer than {} bytes", name, longest_attribute));
         check_text(name, "an attribute's name");
         check_text(value, fmt::format("the attribute '{}'", name));
     }

@@ -16,10 +16,11 @@ struct Benchmark {
     int (*run)(const Settings&);
 };
 
-constexpr std::array table{Benchmark{"twins", bench_twins},       Benchmark{"joint-twins", bench_joint_twins},
-                           Benchmark{"diagnose", bench_diagnose}, Benchmark{"atlas", bench_atlas},
-                           Benchmark{"bulk", bench_bulk},         Benchmark{"rate", bench_rate},
-                           Benchmark{"engine", bench_engine}};
+constexpr std::array benchmarks{
+    Benchmark{"twins", bench_twins},       Benchmark{"joint-twins", bench_joint_twins},
+    Benchmark{"diagnose", bench_diagnose}, Benchmark{"atlas", bench_atlas},
+    Benchmark{"bulk", bench_bulk},         Benchmark{"rate", bench_rate},
+    Benchmark{"engine", bench_engine}};
 
 }  // namespace
 
@@ -30,7 +31,7 @@ int run_bench(const Settings& settings) {
                                    .constraint = "has nothing to be measured beside",
                                    .remedy = "it belongs to loam bench engine"});
     std::vector<std::string_view> names;
-    for (const Benchmark& entry : table) {
+    for (const Benchmark& entry : benchmarks) {
         if (entry.name == settings.benchmark) return entry.run(settings);
         names.push_back(entry.name);
     }

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "experiments/ensemble/run_seed.hpp"
+#include "experiments/output/json_values.hpp"
 #include "experiments/quantile.hpp"
 #include "experiments/settings/writing.hpp"
 #include "experiments/workflows/joint_report.hpp"
@@ -21,10 +22,6 @@ using Eigen::VectorXd;
 using nlohmann::json;
 
 constexpr Index shown_draws = 1000, band_draws = 300;
-
-json to_json(const VectorXd& v) {
-    return std::vector<double>(v.begin(), v.end());
-}
 
 std::string stage_label(const OutputColumn& column) {
     if (column.x_unit == "Pa") return fmt::format("{:.4g} kPa", column.x / 1000);
@@ -107,8 +104,8 @@ json posterior_document(const Campaign& campaign, const Calibration& c) {
              {"log", json::array()},
              {"draws", json::array()},
              {"prior_density", json::array()},
-             {"r_hat", to_json(posterior.rhat.head(d))},
-             {"ess", to_json(posterior.ess_bulk.head(d))}};
+             {"r_hat", values_of(posterior.rhat.head(d))},
+             {"ess", values_of(posterior.ess_bulk.head(d))}};
     for (Index k = 0; k < d; ++k) {
         out["names"].push_back(space.info(k).name);
         out["symbols"].push_back(space.info(k).symbol);
@@ -142,7 +139,7 @@ json emulator_document(const Campaign& campaign, const Calibration& c) {
                                   {"actual", loo.actual(g, m)},
                                   {"z", loo.z(g, m)}});
     out["coverage90"] = loo.coverage.mean();
-    out["rmse"] = to_json(loo.rmse);
+    out["rmse"] = values_of(loo.rmse);
     for (const CalibrationRound& round : c.rounds)
         out["rounds"].push_back({{"runs", round.runs},
                                  {"difference", round.check.difference},
@@ -176,13 +173,13 @@ json sensitivity_document(const Campaign& campaign, const Calibration& c,
     for (Index k = 0; k < d; ++k) {
         const ParameterSummary& p = all[space.fitted[static_cast<std::size_t>(k)]];
         out["names"].push_back(p.name);
-        out["first_order"].push_back(to_json(indices.first.col(k)));
-        out["total"].push_back(to_json(indices.total.col(k)));
+        out["first_order"].push_back(values_of(indices.first.col(k)));
+        out["total"].push_back(values_of(indices.total.col(k)));
         VectorXd x = c.fit.estimate;
         x[k] = space.prior(k).to_unit(p.prior_q05);
-        out["low"].push_back(to_json(curve(x)));
+        out["low"].push_back(values_of(curve(x)));
         x[k] = space.prior(k).to_unit(p.prior_q95);
-        out["high"].push_back(to_json(curve(x)));
+        out["high"].push_back(values_of(curve(x)));
     }
     return out;
 }
@@ -235,15 +232,15 @@ json curves_document(const Campaign& campaign, const std::vector<RunRecord>& run
         for (const std::size_t reading : test.readings)
             phase.push_back(test.test->phase.empty() ? "loading" : test.test->phase[reading]);
         for (const RunRecord& run : runs)
-            if (run.ok) replicates.push_back(to_json(run.outputs.segment(curve.first, curve.count())));
+            if (run.ok) replicates.push_back(values_of(run.outputs.segment(curve.first, curve.count())));
         out[t].update({{"x_name", test.kind->x_name},
                        {"x_unit", test.kind->x_unit},
                        {"x_log", test.kind->x_logarithmic},
                        {"y_unit", curve.channel->unit},
-                       {"x", to_json(test.measured(test.kind->x_name))},
+                       {"x", values_of(test.measured(test.kind->x_name))},
                        {"phase", phase},
-                       {"measured", to_json(curve.measured())},
-                       {"simulated", to_json(simulated.segment(curve.first, curve.count()))},
+                       {"measured", values_of(curve.measured())},
+                       {"simulated", values_of(simulated.segment(curve.first, curve.count()))},
                        {"replicates", replicates}});
     }
     return out;
@@ -256,12 +253,12 @@ json packing_document(Campaign& campaign, const RunSpec& spec) {
                            campaign.settings(), campaign.grain_density(), *test.test);
     json x = json::array(), contacts = json::array();
     for (Index p = 0; p < picture.packing.radii.size(); ++p)
-        x.push_back(to_json(picture.packing.centres.col(p)));
+        x.push_back(values_of(picture.packing.centres.col(p)));
     for (const engine::ContactView& contact : picture.contacts)
         contacts.push_back({contact.i, contact.j, contact.normal_force});
-    return {{"cell", to_json(picture.packing.cell.diagonal())},
+    return {{"cell", values_of(picture.packing.cell.diagonal())},
             {"x", x},
-            {"radius", to_json(picture.packing.radii)},
+            {"radius", values_of(picture.packing.radii)},
             {"contacts", contacts},
             {"stress", picture.stress},
             {"caption", fmt::format("{} particles of {} under {:.0f} kPa axial stress",

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "experiments/output/progress.hpp"
+#include "experiments/quantile.hpp"
 #include "experiments/settings/settings.hpp"
 #include "experiments/workflows/benchmarks/benchmarks.hpp"
 #include "experiments/workflows/benchmarks/child_process.hpp"
@@ -15,20 +16,13 @@
 namespace loam::experiments {
 namespace {
 
-constexpr std::array table{
+constexpr std::array known_comparisons{
     Comparison{"linear-cohesive", SharedLaw::cohesive, false},
     Comparison{"linear-cohesive", SharedLaw::cohesive, true},
     Comparison{"linear-cohesive", SharedLaw::linear, true},
     Comparison{"linear-damped", SharedLaw::linear, true},
     Comparison{"hertz-mindlin", SharedLaw::hertz, true},
 };
-
-double median(std::vector<double> values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::ranges::nth_element(values, middle);
-    if (values.size() % 2 == 1) return *middle;
-    return 0.5 * (*middle + *std::max_element(values.begin(), middle));
-}
 
 /// What one code has done on one piece of work.
 struct Measured {
@@ -41,9 +35,9 @@ struct Measured {
         contacts = timing.contacts;
     }
     SpeedRow row(SpeedRow row) const {
-        row.particle_steps_per_s = median(speed) * row.particles;
-        row.contact_steps_per_s = median(speed) * contacts;
-        row.ratio = median(ratio);
+        row.particle_steps_per_s = quantile(speed, 0.5) * row.particles;
+        row.contact_steps_per_s = quantile(speed, 0.5) * contacts;
+        row.ratio = quantile(ratio, 0.5);
         return row;
     }
 };
@@ -119,7 +113,7 @@ bool takes_part(const InstalledCode& code, const Comparison& comparison) {
 
 std::vector<Comparison> possible_comparisons(const std::vector<InstalledCode>& codes) {
     std::vector<Comparison> possible;
-    for (const Comparison& comparison : table)
+    for (const Comparison& comparison : known_comparisons)
         if (find_bench_law(comparison.law) != nullptr &&
             std::ranges::any_of(codes, [&](const auto& code) { return takes_part(code, comparison); }))
             possible.push_back(comparison);
@@ -154,7 +148,7 @@ nlohmann::json to_json(const SpeedRow& row) {
 }
 
 std::span<const Comparison> comparisons() {
-    return table;
+    return known_comparisons;
 }
 
 std::size_t other_runs(const std::vector<InstalledCode>& codes, const AgainstOptions& options) {

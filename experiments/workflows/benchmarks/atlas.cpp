@@ -8,6 +8,7 @@
 #include "experiments/calibration.hpp"
 #include "experiments/diagnosis/probes.hpp"
 #include "experiments/output/atomic_file.hpp"
+#include "experiments/output/json_values.hpp"
 #include "experiments/report/report.hpp"
 #include "experiments/settings/parameters.hpp"
 #include "experiments/settings/run_folder.hpp"
@@ -108,10 +109,6 @@ Change largest_change(const CampaignCurve& curve, const VectorXd& base, const Cu
     return {range > 0 ? change[at] / range : 0, x[at], std::abs(change[at]) > certain * error[at]};
 }
 
-json as_json(const VectorXd& v) {
-    return std::vector<double>(v.begin(), v.end());
-}
-
 json curve_json(const CampaignCurve& curve, const VectorXd& base, const VectorXd& base_sd, const Curves& with,
                 const Change& change) {
     const CampaignTest& test = *curve.test;
@@ -125,13 +122,13 @@ json curve_json(const CampaignCurve& curve, const VectorXd& base, const VectorXd
             {"x_unit", test.kind->x_unit},
             {"x_log", test.kind->x_logarithmic},
             {"y_unit", curve.channel->unit},
-            {"x", as_json(test.measured(test.kind->x_name))},
+            {"x", values_of(test.measured(test.kind->x_name))},
             {"phase", phase},
-            {"simulated", as_json(part(with.mean))},
-            {"band_lower", as_json(part(base - half_of_90 * base_sd))},
-            {"band_upper", as_json(part(base + half_of_90 * base_sd))},
+            {"simulated", values_of(part(with.mean))},
+            {"band_lower", values_of(part(base - half_of_90 * base_sd))},
+            {"band_upper", values_of(part(base + half_of_90 * base_sd))},
             {"band_name", "without it, 90 % of packings"},
-            {"change", as_json(part(with.change))},
+            {"change", values_of(part(with.change))},
             {"largest", change.largest},
             {"at", change.at},
             {"certain", change.is_certain}};

@@ -24,7 +24,6 @@ using Eigen::MatrixXd;
 
 constexpr Index most_soils = 250;  // samples beyond that measure the same specimens, with other noise
 constexpr int ensemble = 959, fewest = 125, growth = 4, most_by_default = 2000;
-constexpr std::uint64_t twin_packings = 21, twin_noise = 22, twin_design = 23;
 
 struct Soils {
     Observation form;

@@ -25,17 +25,17 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 constexpr int soils_with_effects = 3, soils_without = 60, withheld_twins = 20, pairs = 12;
-constexpr int more_particles = 2;
+constexpr int hidden_twin_enlargement = 2;
 constexpr std::array levels{weak, medium, strong};
 constexpr int packings_of_lengths = 8;
 constexpr double near_enough = 1.5;  // factor between a length and the one wanted
 constexpr int most_trials = 4;       // of strengths, for one effect, soil and length
 // Streams of run_seed, and the indices of the soils' own twins.
-constexpr std::uint64_t twin_packings = 31, twin_noise = 32, soil_design = 33, order = 34, pairing = 35;
+constexpr std::uint64_t hidden_packings = 31, hidden_noise = 32, soil_design = 33, order = 34, pairing = 35;
 constexpr std::size_t plain_from = 900'000;
 
 /// The model that is diagnosed, whatever the command line says of it.
-Settings model_of(const Settings& given) {
+Settings diagnosed_model_of(const Settings& given) {
     using engine::PriorKind;
     const Settings defaults;
     Settings s = given;
@@ -49,7 +49,7 @@ Settings model_of(const Settings& given) {
     if (s.particles == defaults.particles) s.particles = 200;
     if (s.runs == defaults.runs) s.runs = 90;
     s.engine.haste = 3;
-    s.calibration.specimen_particles = more_particles * s.particles;
+    s.calibration.specimen_particles = hidden_twin_enlargement * s.particles;
     s.calibration.max_rounds = 0;
     s.calibration.narrowing = false;  // one design for all soils
     s.calibration.replicates = 6;
@@ -146,7 +146,7 @@ nlohmann::json to_json(const TwinTruth& t) {
 TwinFactory::TwinFactory(const Settings& given, std::filesystem::path folder, RunLog& log)
     : folder_(std::move(folder)),
       log_(log),
-      model_(model_of(given)),
+      model_(diagnosed_model_of(given)),
       twin_(twin_of(model_)),
       tests_(shared_tests()) {
     const Index d = parameter_space(model_).dimension();
@@ -274,8 +274,8 @@ std::vector<RunRecord> TwinFactory::simulate(const TwinTruth& like, const std::v
         specs.push_back(
             {places[k], "twin",
              parameters_of(twins[k], base, soils_.row(twins[k].soil).transpose(), campaign.space()),
-             run_seed(settings.seed, places[k], twin_packings),
-             static_cast<std::uint32_t>(more_particles * settings.particles)});
+             run_seed(settings.seed, places[k], hidden_packings),
+             static_cast<std::uint32_t>(hidden_twin_enlargement * settings.particles)});
     return campaign.run(fmt::format("twins with {}", name), specs);
 }
 
@@ -284,7 +284,7 @@ lab_data::Sample TwinFactory::measured(const RunRecord& run, const std::string& 
     lab_data::Sample out = tests_;
     out.name = name;
     const Observation noisy =
-        observed(form_, columns_, run, run_seed(model_.seed, run.spec.index, twin_noise));
+        observed(form_, columns_, run, run_seed(model_.seed, run.spec.index, hidden_noise));
     Index at = 0;
     for (lab_data::Test& test : out.tests)
         for (const TestChannel& channel : lab_test(test.kind).channels)

@@ -26,10 +26,10 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr Index soils = 24;
-constexpr int more_particles = 2, first_runs = 160, runs_per_soil = 6, packing_pool = 128;
-constexpr std::uint64_t likely_from = 2'000'000, spread_from = 3'000'000, twins_from = 4'000'000;
-constexpr std::uint64_t twin_packings = 21, twin_noise = 22, twin_design = 23, training_packings = 1;
+constexpr Index joint_soils = 24;
+constexpr int joint_twin_enlargement = 2, first_runs = 160, runs_per_soil = 6, packing_pool = 128;
+constexpr std::uint64_t likely_from = 2'000'000, spread_from = 3'000'000;
+constexpr std::uint64_t training_packings = 1;  // of run_seed
 
 /// One test of each kind, without measurements.
 lab_data::Sample three_tests() {
@@ -52,7 +52,7 @@ lab_data::Sample three_tests() {
 }
 
 /// The model that is fitted, whatever the command line says of it.
-Settings model_of(const Settings& given) {
+Settings joint_model_of(const Settings& given) {
     using engine::PriorKind;
     Settings settings = given;
     settings.law = "linear-damped";
@@ -63,7 +63,7 @@ Settings model_of(const Settings& given) {
                        {"stiffness_ratio", {PriorKind::uniform, 0, 0, 0.1, 1.0}},
                        {"friction_angle", {PriorKind::uniform, 0, 0, 0.1, 0.6}},
                        {"rolling_friction", {PriorKind::uniform, 0, 0, 0, 0.3}}};
-    settings.calibration.specimen_particles = more_particles * settings.particles;
+    settings.calibration.specimen_particles = joint_twin_enlargement * settings.particles;
     if (settings.runs == Settings{}.runs) settings.runs = first_runs;
     return settings;
 }
@@ -131,15 +131,15 @@ std::vector<RunRecord> with(std::vector<RunRecord> runs, const std::vector<RunRe
 std::vector<RunRecord> twins_of(Campaign& campaign) {
     const ParameterSpace& space = campaign.space();
     const Settings& settings = campaign.settings();
-    MatrixXd u =
-        surrogate::maximin_latin_hypercube(soils, space.dimension(), run_seed(settings.seed, 0, twin_design));
+    MatrixXd u = surrogate::maximin_latin_hypercube(joint_soils, space.dimension(),
+                                                    run_seed(settings.seed, 0, twin_design));
     const MatrixXd x = space.from_probabilities((0.1 + 0.8 * u.array()).matrix());
     std::vector<RunSpec> specs;
-    for (Index k = 0; k < soils; ++k) {
+    for (Index k = 0; k < joint_soils; ++k) {
         const std::uint64_t index = twins_from + static_cast<std::uint64_t>(k);
         specs.push_back({index, "twin", space.physical(x.row(k).transpose()),
                          run_seed(settings.seed, index, twin_packings),
-                         static_cast<std::uint32_t>(more_particles * settings.particles)});
+                         static_cast<std::uint32_t>(joint_twin_enlargement * settings.particles)});
     }
     return campaign.run("twins", specs);
 }
@@ -176,7 +176,7 @@ std::vector<Row> rows_of(const std::vector<Soil>& of, std::optional<Fit> Soil::*
 }  // namespace
 
 int bench_joint_twins(const Settings& given) {
-    const Settings settings = model_of(given);
+    const Settings settings = joint_model_of(given);
     const lab_data::Sample sample = three_tests();
     const RunFolder folder(given);
     RunLog log(folder.file("log.txt"));

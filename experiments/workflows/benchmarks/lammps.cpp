@@ -37,7 +37,7 @@ std::string pair_style(const SharedWork& work) {
 
 // Atoms are sorted every 1000 steps (the default), without which 10,000 take half as long again; newton on,
 // and lists looked after at every step but made anew only when needed.
-constexpr std::string_view script = R"in(units si
+constexpr std::string_view lammps_script = R"in(units si
 atom_style sphere
 boundary p p p
 newton on
@@ -88,7 +88,7 @@ std::vector<std::string> write_lammps_input(const SharedWork& work, const std::f
     write_data(work, folder / "packing.lmp");
     const double height = work.packing.cell(2, 2);
     std::ofstream out(folder / "work.in");
-    out << fmt::format(script, fmt::arg("skin", 0.15 * work.packing.radii.minCoeff()),
+    out << fmt::format(lammps_script, fmt::arg("skin", 0.15 * work.packing.radii.minCoeff()),
                        fmt::arg("pair_style", pair_style(work)), fmt::arg("time_step", work.time_step),
                        fmt::arg("strain_rate", work.strain_rate),
                        fmt::arg("top_velocity", -work.strain_rate * height), fmt::arg("height", height),

@@ -24,7 +24,7 @@ constexpr std::array lammps_laws{
     LawName{SharedLaw::hertz, "gran/hertz/history"},
 };
 
-constexpr std::array table{
+constexpr std::array known_codes{
     OtherCode{"yade", "yade", "yade", yade_laws, write_yade_input, read_yade_output},
     OtherCode{"lammps", "lmp", "lammps", lammps_laws, write_lammps_input, read_lammps_output},
 };
@@ -68,11 +68,11 @@ std::string last_lines(const std::string& output) {
 }  // namespace
 
 std::span<const OtherCode> other_codes() {
-    return table;
+    return known_codes;
 }
 
 const OtherCode* find_code(std::string_view name) {
-    for (const OtherCode& code : table)
+    for (const OtherCode& code : known_codes)
         if (code.name == name) return &code;
     return nullptr;
 }

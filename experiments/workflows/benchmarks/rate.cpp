@@ -15,8 +15,8 @@
 namespace loam::experiments {
 namespace {
 
-constexpr Eigen::Index soils = 24;
-constexpr std::uint64_t packings = 8;
+constexpr Eigen::Index soils_compared = 24;
+constexpr std::uint64_t packings_compared = 8;
 
 Eigen::VectorXd run_at(const engine::Packing& packing, const engine::ContactLaw& law, double factor,
                        const Settings& settings, const lab_data::Test& test) {
@@ -49,21 +49,22 @@ int bench_rate(const Settings& settings) {
     const lab_data::Test& test = sample.tests.front();
     const ParameterSpace space = parameter_space(settings);
     // The central four fifths of the prior.
-    Eigen::MatrixXd u = surrogate::sobol_sequence(soils, space.dimension(), {.seed = settings.seed});
+    Eigen::MatrixXd u = surrogate::sobol_sequence(soils_compared, space.dimension(), {.seed = settings.seed});
     u = (0.1 + 0.8 * u.array()).matrix();
     const Eigen::MatrixXd x = space.from_probabilities(u);
     SpecimenPool& pool = specimen_pool();
     const auto stages = static_cast<Eigen::Index>(test.size());
     Eigen::VectorXd change = Eigen::VectorXd::Zero(stages), size = change, squares = change, runs = change;
-    const int total = static_cast<int>(soils * static_cast<Eigen::Index>(packings));
+    const int total = static_cast<int>(soils_compared * static_cast<Eigen::Index>(packings_compared));
     std::vector<Eigen::VectorXd> full(static_cast<std::size_t>(total)), half = full;
 #pragma omp parallel for schedule(dynamic)
     for (int k = 0; k < total; ++k) {
         const auto at = static_cast<std::size_t>(k);
-        const auto specimen = pool.get(
-            settings.specimen, 0.47, {static_cast<std::uint32_t>(settings.particles)}, 1 + at % packings, {});
+        const auto specimen =
+            pool.get(settings.specimen, 0.47, {static_cast<std::uint32_t>(settings.particles)},
+                     1 + at % packings_compared, {});
         const engine::ContactLaw law =
-            contact_law(settings, space.physical(x.row(k / static_cast<int>(packings)).transpose()));
+            contact_law(settings, space.physical(x.row(k / static_cast<int>(packings_compared)).transpose()));
         full[at] = run_at(specimen->packing, law, 1, settings, test);
         half[at] = run_at(specimen->packing, law, 0.5, settings, test);
     }
@@ -80,7 +81,7 @@ int bench_rate(const Settings& settings) {
     std::string text = fmt::format(
         "{} soils, {} packings each; strain at half the rate minus strain at the full rate\n"
         "{:>12} {:>12} {:>15} {:>14} {:>6}\n",
-        soils, packings, "stress (kPa)", "mean", "standard error", "mean absolute", "runs");
+        soils_compared, packings_compared, "stress (kPa)", "mean", "standard error", "mean absolute", "runs");
     for (Eigen::Index s = 0; s < stages; ++s) {
         const double stress = test.column("axial_stress")[static_cast<std::size_t>(s)] / 1000;
         const double mean = change[s] / runs[s];

@@ -1,6 +1,7 @@
 // What the benchmarks on synthetic soils share: tests that are to be simulated, and their measurements.
 #pragma once
 
+#include <cstdint>
 #include <initializer_list>
 #include <string>
 #include <vector>
@@ -9,6 +10,11 @@
 #include "lab_data/sample.hpp"
 
 namespace loam::experiments {
+
+/// Streams of run_seed: the packings of synthetic soils, their measurements' noise, and which soils.
+inline constexpr std::uint64_t twin_packings = 21, twin_noise = 22, twin_design = 23;
+/// Where their runs lie in the ensemble.
+inline constexpr std::uint64_t twins_from = 4'000'000;
 
 /// A test with so many readings, denser at the start, up to x = `to` (SI), whose channels are 0.
 lab_data::Test test_without_readings(lab_data::TestKind kind, std::string file, const char* x, double to,

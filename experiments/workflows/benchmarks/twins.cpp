@@ -15,6 +15,7 @@
 #include "experiments/quantile.hpp"
 #include "experiments/settings/run_folder.hpp"
 #include "experiments/workflows/benchmarks/benchmarks.hpp"
+#include "experiments/workflows/benchmarks/twin_tests.hpp"
 #include "experiments/workflows/parameter_summary.hpp"
 #include "surrogate/designs.hpp"
 
@@ -25,8 +26,7 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 constexpr Index soils = 48;
-constexpr int more_particles = 3, shared_runs = 400;
-constexpr std::uint64_t twins_from = 4'000'000, twin_packings = 21, twin_noise = 22, twin_design = 23;
+constexpr int twin_enlargement = 3, shared_runs = 400;
 constexpr double relative_noise = 0.01, absolute_noise = 5e-5;
 
 /// A standard normal number from (seed, k): Box and Muller on two hashed uniform numbers.
@@ -39,20 +39,16 @@ double normal(std::uint64_t seed, std::uint64_t k) {
     return std::sqrt(-2 * std::log(u)) * std::cos(2 * std::numbers::pi * v);
 }
 
-struct Outcome {
+struct TwinOutcome {
     VectorXd truth, estimate;  // SI, all parameters of the law
     std::vector<ParameterSummary> summary;
 };
-
-double median(std::vector<double> values) {
-    return quantile(std::move(values), 0.5);
-}
 
 }  // namespace
 
 int bench_twins(const Settings& given) {
     Settings settings = given;
-    settings.calibration.specimen_particles = more_particles * settings.particles;
+    settings.calibration.specimen_particles = twin_enlargement * settings.particles;
     // One ensemble serves all soils of the prior, so it is larger than a calibration's own.
     if (settings.runs == Settings{}.runs) settings.runs = shared_runs;
     const lab_data::Sample sample = reference_sample();
@@ -74,7 +70,7 @@ int bench_twins(const Settings& given) {
         const std::uint64_t index = twins_from + static_cast<std::uint64_t>(k);
         specs.push_back({index, "twin", space.physical(x.row(k / 2).transpose()),
                          run_seed(settings.seed, index, twin_packings),
-                         static_cast<std::uint32_t>(more_particles * settings.particles)});
+                         static_cast<std::uint32_t>(twin_enlargement * settings.particles)});
     }
     const std::vector<RunRecord> twins = campaign.run("twins", specs);
 
@@ -92,14 +88,14 @@ int bench_twins(const Settings& given) {
             trained.emplace(scale,
                             train_emulator(training, space, columns, transforms_of(observed[k]), settings));
     }
-    std::vector<std::optional<Outcome>> outcomes(twins.size());
+    std::vector<std::optional<TwinOutcome>> outcomes(twins.size());
 #pragma omp parallel for schedule(dynamic)
     for (std::size_t k = 0; k < twins.size(); ++k) {
         if (!twins[k].ok) continue;
         const Observation& mine = observed[k];
         const Fit found = fit(trained.at(transform_for(mine).scale), space, mine, settings);
         outcomes[k] =
-            Outcome{twins[k].spec.parameters, space.physical(found.estimate), summarise(campaign, found)};
+            TwinOutcome{twins[k].spec.parameters, space.physical(found.estimate), summarise(campaign, found)};
     }
 
     nlohmann::json result = nlohmann::json::object();
@@ -127,12 +123,12 @@ int bench_twins(const Settings& given) {
         }
         const double n = static_cast<double>(errors.size());
         const std::string name(space.parameters[p].name);
-        result[name] = {{"soils", errors.size()},       {"median_error", median(errors)},
-                        {"floor", median(floors)},      {"coverage90", covered / n},
-                        {"identified", identified / n}, {"relative", logarithmic}};
+        result[name] = {{"soils", errors.size()},         {"median_error", quantile(errors, 0.5)},
+                        {"floor", quantile(floors, 0.5)}, {"coverage90", covered / n},
+                        {"identified", identified / n},   {"relative", logarithmic}};
         text += fmt::format("{:<16} {:>7} {:>12.3f}{:<2} {:>9.3f} {:>16.1f} {:>12.1f}\n", name, errors.size(),
-                            median(errors), logarithmic ? " *" : "", median(floors), 100 * covered / n,
-                            100 * identified / n);
+                            quantile(errors, 0.5), logarithmic ? " *" : "", quantile(floors, 0.5),
+                            100 * covered / n, 100 * identified / n);
     }
     text += fmt::format(
         "* relative. {} training runs; the floor is the median difference of two packings' estimates over "

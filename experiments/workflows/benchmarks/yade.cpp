@@ -46,7 +46,7 @@ std::string interactions(const SharedWork& work) {
 
 // The clock is read by an engine of the loop, because waiting for a run ends up to 40 ms late. The folder
 // that YADE makes for itself goes at once: it stays behind when a run ends other than by itself.
-constexpr std::string_view script = R"(import os, time
+constexpr std::string_view yade_script = R"(import os, time
 try: os.rmdir(os.path.dirname(O.tmpFilename()))
 except OSError: pass
 O.periodic = True
@@ -88,7 +88,7 @@ std::vector<std::string> write_yade_input(const SharedWork& work, const std::fil
     write_packing(work.packing, folder / "packing.txt");
     const auto& cell = work.packing.cell;
     std::ofstream out(folder / "work.py");
-    out << fmt::format(script, fmt::arg("cell_x", cell(0, 0)), fmt::arg("cell_y", cell(1, 1)),
+    out << fmt::format(yade_script, fmt::arg("cell_x", cell(0, 0)), fmt::arg("cell_y", cell(1, 1)),
                        fmt::arg("cell_z", cell(2, 2)), fmt::arg("interactions", interactions(work)),
                        fmt::arg("blocked", work.free_rotation ? "" : "XYZ"),
                        fmt::arg("damping", work.damping), fmt::arg("steps", work.steps),
