@@ -19,7 +19,7 @@ using Eigen::VectorXd;
 // purpose.
 constexpr std::uint64_t rounds_from = 2'000'000, round_size = 10'000, confirmations_from = 3'000'000,
                         rounds_of_a_task = 20;
-constexpr std::uint64_t confirmation_packings = 2, draw_stream = 4;  // of run_seed
+constexpr std::uint64_t confirmation_packings = 2;  // of run_seed
 
 /// A direct run, on a packing that no emulator is trained on.
 RunSpec confirmation_spec(const Campaign& campaign, std::uint64_t index, const VectorXd& parameters) {
@@ -46,16 +46,14 @@ TriedSet tried(const Calibration& c) {
 
 /// Runs drawn where they are worth most: distinct draws, evenly over the chains.
 std::vector<RunSpec> added_runs(const Campaign& campaign, const Fit& fit, std::uint64_t round, bool follows) {
-    const AddedRuns count = runs_to_add(fit, campaign.settings().calibration.runs_per_round, follows);
+    const Settings& settings = campaign.settings();
+    const std::uint64_t first = round * round_size;
+    const MatrixXd sets =
+        sets_to_add(fit, settings.calibration.runs_per_round, follows, settings.seed, first);
     std::vector<RunSpec> specs;
-    for (int k = 0; k < count.posterior + count.plausible; ++k) {
-        const MatrixXd& draws = k < count.posterior ? fit.posterior.draws : fit.plausible;
-        const auto at = round * round_size + static_cast<std::uint64_t>(k);
-        const Index row = static_cast<Index>(run_seed(campaign.settings().seed, at, draw_stream) %
-                                             static_cast<std::uint64_t>(draws.rows()));
-        const VectorXd x = draws.row(row).head(campaign.space().dimension()).transpose();
-        specs.push_back(training_spec(campaign, rounds_from + at, "training", campaign.space().physical(x)));
-    }
+    for (Index k = 0; k < sets.rows(); ++k)
+        specs.push_back(training_spec(campaign, rounds_from + first + static_cast<std::uint64_t>(k),
+                                      "training", campaign.space().physical(sets.row(k).transpose())));
     return specs;
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "experiments/cross_test.hpp"
+#include "experiments/ensemble/run_seed.hpp"
 #include "experiments/quantile.hpp"
 
 namespace loam::experiments {
@@ -16,6 +17,7 @@ using Eigen::VectorXd;
 constexpr double allowed_shift = 0.5;     // of the posterior's standard deviation
 constexpr double most_by_chance = 2;      // beyond that the runs are too few to tell anything
 constexpr double chance_in_errors = 2.5;  // standard errors: 3 % a parameter, of 12 runs (Student's t)
+constexpr std::uint64_t draw_stream = 4;  // of run_seed
 
 /// Variance [m] of the mean of the rows of a [n x m].
 VectorXd variance_of_mean(const MatrixXd& a) {
@@ -73,12 +75,22 @@ bool is_sure(const Fit& fit) {
     return fit.emulator_share <= tolerable_share && outside_posterior(fit) < 0;
 }
 
-AddedRuns runs_to_add(const Fit& fit, int whole, bool follows) {
-    if (is_sure(fit)) return {whole, 0};
-    if (outside_posterior(fit) < 0) return {(whole + 1) / 2, whole / 2};
-    if (follows) return {std::min(whole, 2), 0};
-    const int few = (whole + 3) / 4;
-    return {few, whole - few};
+MatrixXd sets_to_add(const Fit& fit, int whole, bool follows, std::uint64_t seed, std::uint64_t first) {
+    int posterior = whole, all = whole;  // of the runs
+    if (outside_posterior(fit) >= 0) {
+        posterior = follows ? std::min(whole, 2) : (whole + 3) / 4;
+        if (follows) all = posterior;
+    } else if (!is_sure(fit)) {
+        posterior = (whole + 1) / 2;
+    }
+    MatrixXd out(all, fit.estimate.size());
+    for (int k = 0; k < all; ++k) {
+        const MatrixXd& draws = k < posterior ? fit.posterior.draws : fit.plausible;
+        const std::uint64_t number = run_seed(seed, first + static_cast<std::uint64_t>(k), draw_stream);
+        const auto row = static_cast<Index>(number % static_cast<std::uint64_t>(draws.rows()));
+        out.row(k) = draws.row(row).head(out.cols());
+    }
+    return out;
 }
 
 EmulatorCheck check_emulator(const Fit& fit, const TrainedEmulator& trained, const Observation& observation,

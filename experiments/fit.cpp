@@ -117,8 +117,7 @@ class Likelihood {
     double log_expected(const VectorXd& theta) const {
         const auto at = trained_.emulator.predict_components(theta.head(parameters()));
         return log_density(theta, trained_.emulator.offset() + loadings_ * at.mean,
-                           at.variance.cwiseMin(most_open_), observation_.packing_share,
-                           &ResidualFactor::expected_log_density);
+                           at.variance.cwiseMin(most_open_), observation_.packing_share, true);
     }
 
     /// With the mean curve [m] of `runs` direct runs at theta in place of the emulator's.
@@ -151,9 +150,9 @@ class Likelihood {
 
     /// For a model whose mean curve [m] is known but for `open` [q], and differs from the measured specimens
     /// by `packings` times the variance of a run.
-    template <class Value = std::optional<double> (ResidualFactor::*)() const>
+    /// `expected`: see log_expected.
     double log_density(const VectorXd& theta, const VectorXd& mean, const VectorXd& open, double packings,
-                       Value value = &ResidualFactor::log_density) const {
+                       bool expected = false) const {
         const CurveNoise& noise = trained_.emulator.noise();
         const double scale = noise.scale(theta.head(parameters()));
         const VectorXd residuals = target_ - mean - large_specimen(scale);
@@ -164,7 +163,7 @@ class Likelihood {
             readings_.add(misfits, block, at.first);
             if (!factor.add(at, block)) return -INFINITY;
         }
-        const std::optional<double> density = (factor.*value)();
+        const std::optional<double> density = expected ? factor.expected_log_density() : factor.log_density();
         if (!density) return -INFINITY;
         return *density + log_prior(theta) +
                packings_ * trained_.feasibility.log_success(theta.head(parameters()));

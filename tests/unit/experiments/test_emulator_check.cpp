@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <random>
+#include <utility>
 
 #include "experiments/cross_test.hpp"
 #include "experiments/emulator_check.hpp"
@@ -130,8 +131,24 @@ Fit posterior_about_a_half(double first, double emulator_share) {
     out.posterior.draws.resize(201, 3);
     for (Index k = 0; k <= 200; ++k)
         out.posterior.draws.row(k) << 0.4 + 0.001 * static_cast<double>(k), 0.005 * static_cast<double>(k), 1;
+    out.plausible = out.posterior.draws.array() + 10;
     out.emulator_share = emulator_share;
     return out;
+}
+
+/// How many of the sets to add are draws of the posterior and how many plausible ones; -1 where one is
+/// neither.
+std::pair<int, int> drawn(const Fit& fit, int whole, bool follows) {
+    const MatrixXd sets = sets_to_add(fit, whole, follows, 3, 100);
+    int posterior = 0, plausible = 0;
+    for (Index k = 0; k < sets.rows(); ++k) {
+        const auto is_in = [&](const MatrixXd& draws) {
+            return (draws.leftCols(2).rowwise() - sets.row(k)).rowwise().squaredNorm().minCoeff() == 0;
+        };
+        posterior += is_in(fit.posterior.draws);
+        plausible += is_in(fit.plausible);
+    }
+    return posterior + plausible == sets.rows() ? std::pair{posterior, plausible} : std::pair{-1, -1};
 }
 
 TEST(EmulatorCheck, IsSureWhereThePosteriorIsAboutTheEstimateAndNotTheEmulators) {
@@ -147,13 +164,17 @@ TEST(EmulatorCheck, RunsAreAddedByHowMuchOfThePosteriorIsIgnorance) {
     const Fit sure = posterior_about_a_half(0.5, 0.1), unsure = posterior_about_a_half(0.5, 1),
               astray = posterior_about_a_half(0.7, 0);
     for (const bool follows : {false, true}) {
-        EXPECT_EQ(runs_to_add(sure, 24, follows), (AddedRuns{24, 0}));
-        EXPECT_EQ(runs_to_add(unsure, 24, follows), (AddedRuns{12, 12}));
-        EXPECT_EQ(runs_to_add(unsure, 1, follows), (AddedRuns{1, 0}));
-        EXPECT_EQ(runs_to_add(astray, 1, follows), (AddedRuns{1, 0}));
+        EXPECT_EQ(drawn(sure, 24, follows), (std::pair{24, 0}));
+        EXPECT_EQ(drawn(unsure, 24, follows), (std::pair{12, 12}));
+        EXPECT_EQ(drawn(unsure, 1, follows), (std::pair{1, 0}));
+        EXPECT_EQ(drawn(astray, 1, follows), (std::pair{1, 0}));
     }
-    EXPECT_EQ(runs_to_add(astray, 24, false), (AddedRuns{6, 18}));
-    EXPECT_EQ(runs_to_add(astray, 24, true), (AddedRuns{2, 0}));
+    EXPECT_EQ(drawn(astray, 24, false), (std::pair{6, 18}));
+    EXPECT_EQ(drawn(astray, 24, true), (std::pair{2, 0}));
+    // Others at every place, the same at the same.
+    EXPECT_EQ(sets_to_add(sure, 5, false, 3, 101).topRows(4),
+              sets_to_add(sure, 5, false, 3, 100).bottomRows(4));
+    EXPECT_NE(sets_to_add(sure, 5, false, 4, 100), sets_to_add(sure, 5, false, 3, 100));
 }
 
 }  // namespace

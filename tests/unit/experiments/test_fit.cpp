@@ -116,6 +116,31 @@ TEST(Fit, IsNotDrawnToWhereTheEmulatorKnowsNothing) {
     EXPECT_GT(found.misfits[0], 1e-3);
 }
 
+TEST(Fit, IgnoranceCountsAgainstAnEstimate) {
+    // Curves that the emulator's mean repeats beyond the runs. Measured is its mean there to the digit, so
+    // that a search by the mean curve ends where nothing is known.
+    HalfKnown given;
+    std::mt19937_64 random(11);
+    std::normal_distribution<double> normal;
+    for (RunRecord& run : given.runs)
+        for (Eigen::Index k = 0; k < HalfKnown::readings; ++k)
+            run.outputs[k] =
+                HalfKnown::bent(0.3 * std::sin(12 * run.spec.parameters[0]), k) * (1 + 0.01 * normal(random));
+    given.observation.measured = given.runs.front().outputs;
+    const TrainedEmulator trained = train_emulator(given.runs, given.space, given.columns,
+                                                   transforms_of(given.observation), given.settings);
+    for (const double unknown : {0.50, 0.52, 0.55}) {
+        const Eigen::VectorXd flattering =
+            trained.emulator.predict_mean(Eigen::VectorXd::Constant(1, unknown));
+        for (Eigen::Index k = 0; k < HalfKnown::readings; ++k)
+            given.observation.measured[k] =
+                trained.transforms[static_cast<std::size_t>(k)].inverse(flattering[k]);
+        ASSERT_GT(plausible_window(trained, given.space, given.observation, given.settings).upper[0],
+                  unknown);
+        EXPECT_LT(fit(trained, given.space, given.observation, given.settings).estimate[0], 0.45);
+    }
+}
+
 TEST(Fit, ThePosteriorStaysWhereParametersArePlausible) {
     // So far from any curve of the model's that what the emulator leaves open beyond the runs attracts:
     // without the window some draws lie at 0.9.
