@@ -20,6 +20,9 @@ using Eigen::VectorXd;
 constexpr std::uint64_t rounds_from = 2'000'000, round_size = 10'000, confirmations_from = 3'000'000,
                         rounds_of_a_task = 20;
 constexpr std::uint64_t confirmation_packings = 2;  // of run_seed
+// Sets tried whose direct runs are doubled before one is chosen: the mean of twelve runs of sand that
+// collapses is as uncertain as the sets differ.
+constexpr std::size_t most_finalists = 3;
 
 /// A direct run, on a packing that no emulator is trained on.
 RunSpec confirmation_spec(const Campaign& campaign, std::uint64_t index, const VectorXd& parameters) {
@@ -39,9 +42,9 @@ MatrixXd direct_curves(const Calibration& c) {
 }
 
 /// The estimate with the mean of its direct runs.
-TriedSet tried(const Calibration& c) {
+TriedSet tried(const Calibration& c, int round) {
     const MatrixXd curves = direct_curves(c);
-    return {c.fit.estimate, curves.colwise().mean().transpose(), static_cast<double>(curves.rows())};
+    return {c.fit.estimate, curves.colwise().mean().transpose(), static_cast<double>(curves.rows()), round};
 }
 
 /// Runs drawn where they are worth most: distinct draws, evenly over the chains.
@@ -98,16 +101,26 @@ void judge(const Campaign& campaign, Calibration& c, const Observation& observat
 }
 
 /// Where the emulator never became sure, its most probable set is no better than what it does not know: takes
-/// that of the sets tried which is the most probable by direct runs. As those runs have chosen it, and by
-/// luck among other things, it is confirmed by others, and by more.
-void take_best(Campaign& campaign, Calibration& c, const std::vector<TriedSet>& sets,
-               const Observation& observation, const CalibrationTask& task) {
-    const std::size_t best =
-        choose(c.fit, sets, *c.trained, campaign.space(), observation, campaign.settings());
+/// that of the sets tried which is the most probable by direct runs, the foremost by twice as many. As those
+/// runs have chosen it, and by luck among other things, it is confirmed by others.
+void take_best(Campaign& campaign, Calibration& c, std::vector<TriedSet> sets, const Observation& observation,
+               const CalibrationTask& task) {
+    const auto best_of = [&](const std::vector<TriedSet>& among) {
+        return choose(c.fit, among, *c.trained, campaign.space(), observation, campaign.settings());
+    };
+    const std::size_t all = sets.size();
+    std::vector<TriedSet> finalists;
+    while (!sets.empty() && finalists.size() < most_finalists) {
+        const std::size_t best = best_of(sets);
+        confirm(campaign, c, sets[best].round, task, 2);  // half of them are there
+        finalists.push_back(tried(c, sets[best].round));
+        sets.erase(sets.begin() + static_cast<std::ptrdiff_t>(best));
+    }
+    const int round = finalists[best_of(finalists)].round;
     confirm(campaign, c, campaign.settings().calibration.max_rounds + 1, task, 2);
     judge(campaign, c, observation);
     c.rounds.back().text +=
-        fmt::format("; estimate {} of {}, the most probable by its direct runs", best + 1, sets.size());
+        fmt::format("; the estimate of round {}, of {} the most probable by its direct runs", round + 1, all);
 }
 
 void warn_of_disagreement(Calibration& c) {
@@ -219,7 +232,7 @@ Calibration calibrate(Campaign& campaign, std::vector<RunRecord>& runs, const Ca
             continue;
         }
         judge(campaign, c, observation);
-        sets.push_back(tried(c));
+        sets.push_back(tried(c, round));
         const CalibrationRound& now = c.rounds.back();
         // An emulator trained by a design alone is not yet trusted, as direct runs at one point say too
         // little of it: the first rounds of seven-test samples passed them, and the next moved the parameters

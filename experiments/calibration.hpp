@@ -3,8 +3,8 @@
 // notice, or the emulator is a large part of the uncertainty, or estimate and posterior lie apart, runs are
 // added where the posterior lies, and the loop goes round; it does so once in any case.
 // The direct runs of a round that is over train the next emulator; the last round's never do. If the emulator
-// has not become sure when the rounds end, direct runs choose among the estimates tried, and others confirm
-// the one that is chosen.
+// has not become sure when the rounds end, direct runs choose among the estimates tried, of the foremost
+// twice as many, and others confirm the one that is chosen.
 #pragma once
 
 #include <optional>

@@ -34,11 +34,11 @@ class Likelihood {
   public:
     /// `packings`: so many runs at a set must come to an end.
     Likelihood(const TrainedEmulator& trained, const ParameterSpace& space, const Observation& observation,
-               int packings)
+               int packings, StrainMisfit strain = StrainMisfit::along)
         : trained_(trained),
           space_(space),
           observation_(observation),
-          readings_(observation, trained.transforms),
+          readings_(observation, trained.transforms, strain),
           packings_(packings),
           most_open_(beyond_typical * trained.emulator.typical_variance()) {
         const Index m = observation.measured.size();
@@ -355,13 +355,15 @@ Fit fit(const TrainedEmulator& trained, const ParameterSpace& space, const Obser
 std::size_t choose(Fit& fit, const std::vector<TriedSet>& sets, const TrainedEmulator& trained,
                    const ParameterSpace& space, const Observation& observation, const Settings& settings) {
     if (sets.empty()) throw std::invalid_argument("choose: no sets");
-    const Likelihood likelihood(trained, space, observation, settings.calibration.confirmation_packings);
+    const int packings = settings.calibration.confirmation_packings;
+    const Likelihood likelihood(trained, space, observation, packings),
+        nearest(trained, space, observation, packings, StrainMisfit::nearest);
     VectorXd theta;
     double greatest = -INFINITY;
     std::size_t best = 0;
     for (std::size_t k = 0; k < sets.size(); ++k) {
-        const auto [at, density] = most_probable_misfits(likelihood, sets[k].x, [&](const VectorXd& t) {
-            return likelihood.log_by_runs(t, sets[k].mean, sets[k].runs);
+        const auto [at, density] = most_probable_misfits(nearest, sets[k].x, [&](const VectorXd& t) {
+            return nearest.log_by_runs(t, sets[k].mean, sets[k].runs);
         });
         if (k > 0 && density <= greatest) continue;
         theta = at;

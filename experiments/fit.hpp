@@ -61,6 +61,7 @@ Fit fit(const TrainedEmulator& trained, const ParameterSpace& space, const Obser
 struct TriedSet {
     Eigen::VectorXd x, mean;
     double runs = 0;
+    int round = 0;  // of the calibration that tried it
 };
 
 /// Makes that of the sets the fit's estimate which is the most probable by its direct runs in place of the

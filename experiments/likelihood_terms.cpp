@@ -15,9 +15,26 @@ namespace {
 // start says little of the end.
 constexpr double correlation_length = 0.25;
 
-MatrixXd correlation(const ObservedCurve& curve, const VectorXd& measured) {
-    const VectorXd along =
-        curve.is_strain ? places_along(measured.segment(curve.first, curve.count)) : curve.along;
+/// See StrainMisfit::nearest.
+MatrixXd of_rebound(const ObservedCurve& curve) {
+    MatrixXd out = MatrixXd::Identity(curve.count, curve.count);
+    for (std::size_t phase = 1; phase < curve.phases.size(); ++phase) {
+        const Index end = curve.phases[phase] - 1;  // of the phase before
+        const Index next = phase + 1 < curve.phases.size() ? curve.phases[phase + 1] : curve.count;
+        for (Index k = end + 1; k < next; ++k) {
+            out.row(k).head(k) = out.row(end).head(k);
+            out.row(k).segment(end, k - end).setConstant(out(end, end));
+            out(k, k) = out(end, end) + 1;
+            out.col(k).head(k) = out.row(k).head(k).transpose();
+        }
+    }
+    return out;
+}
+
+MatrixXd correlation(const ObservedCurve& curve, const VectorXd& measured, StrainMisfit strain) {
+    const bool is_strain = !curve.phases.empty();
+    if (is_strain && strain == StrainMisfit::nearest) return of_rebound(curve);
+    const VectorXd along = is_strain ? places_along(measured.segment(curve.first, curve.count)) : curve.along;
     const Index n = along.size();
     MatrixXd out(n, n);
     for (Index j = 0; j < n; ++j)
@@ -32,7 +49,8 @@ bool is_stated(const Observation& observation, Index k) {
 
 }  // namespace
 
-ReadingNoise::ReadingNoise(const Observation& observation, const std::vector<OutputTransform>& transforms)
+ReadingNoise::ReadingNoise(const Observation& observation, const std::vector<OutputTransform>& transforms,
+                           StrainMisfit strain)
     : curves_(curves_of(observation)), misfit_priors_(misfit_priors_of(observation)) {
     const Index m = observation.measured.size();
     slope_.resize(m);
@@ -42,7 +60,7 @@ ReadingNoise::ReadingNoise(const Observation& observation, const std::vector<Out
         if (specimens_.empty() || curve.test != test) specimens_.push_back({curve.first, 0});
         test = curve.test;
         specimens_.back().count += curve.count;
-        correlations_.push_back(correlation(curve, observation.measured));
+        correlations_.push_back(correlation(curve, observation.measured, strain));
         for (Index k = curve.first; k < curve.first + curve.count; ++k) {
             const double y = observation.measured[k];
             slope_[k] = transforms[static_cast<std::size_t>(k)].derivative(std::max(y, 0.0));

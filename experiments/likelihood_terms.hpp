@@ -9,12 +9,18 @@
 
 namespace loam::experiments {
 
+/// How the misfit of strains is correlated. `along`: along the strain gone through. `nearest`: not at all, so
+/// that a set is the more probable the nearer its strains are, but that unloading and reloading count by the
+/// strain since they began, as they else would count the error at the end of loading once more a reading.
+enum class StrainMisfit { along, nearest };
+
 /// What measurement and misfit add to the covariance of an observation's residuals, and what packing noise
 /// its specimens share; all on the transformed scale.
 class ReadingNoise {
   public:
     /// `transforms` [m].
-    ReadingNoise(const Observation& observation, const std::vector<OutputTransform>& transforms);
+    ReadingNoise(const Observation& observation, const std::vector<OutputTransform>& transforms,
+                 StrainMisfit strain = StrainMisfit::along);
 
     const std::vector<surrogate::Prior>& misfit_priors() const { return misfit_priors_; }
     /// Adds measurement and misfit, of these sizes [misfits], to the block

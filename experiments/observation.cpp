@@ -80,6 +80,14 @@ const ChannelModel& model_of(lab_data::TestKind kind, std::string_view channel) 
     throw std::logic_error("no model of the noise of channel " + std::string(channel));
 }
 
+std::vector<Index> phases_of(const CampaignTest& test) {
+    std::vector<Index> first{0};
+    const std::vector<std::string>& phase = test.test->phase;
+    for (std::size_t k = 1; k < test.readings.size() && !phase.empty(); ++k)
+        if (phase[test.readings[k]] != phase[test.readings[k - 1]]) first.push_back(static_cast<Index>(k));
+    return first;
+}
+
 /// Adds one channel of a test. `used` are the kinds of test met so far, in the order of the misfits.
 void append_curve(const CampaignTest& test, std::size_t channel, int specimen,
                   std::vector<lab_data::TestKind>& used, Observation& out) {
@@ -103,8 +111,10 @@ void append_curve(const CampaignTest& test, std::size_t channel, int specimen,
     curve.misfit = met - used.begin();
     curve.usual_misfit = model.usual_misfit;
     curve.least_misfit = model.least_misfit;
-    curve.is_strain = model.kind == lab_data::TestKind::oedometer;
-    if (!curve.is_strain) curve.along = places_along(test.measured(test.kind->x_name));
+    if (model.kind == lab_data::TestKind::oedometer)
+        curve.phases = phases_of(test);
+    else
+        curve.along = places_along(test.measured(test.kind->x_name));
     out.curves.push_back(curve);
 
     const auto stated = test.test->measurement_sd.find(name);

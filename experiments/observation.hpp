@@ -43,7 +43,7 @@ struct ObservedCurve {
     // [count] places in 0..1 along which the misfit is correlated; those of the readings themselves where
     // they are strains; else, empty, the misfit is independent.
     Eigen::VectorXd along;
-    bool is_strain = false;
+    std::vector<Eigen::Index> phases;  // of strains: the first reading of loading (0), unloading, reloading
 
     /// Standard deviation (SI) of the misfit, from the sizes of all misfits.
     double misfit_sd(const Eigen::VectorXd& sizes) const {

@@ -59,7 +59,7 @@ TEST(Observation, TheMisfitOfStrainsIsCorrelatedAlongThemselves) {
     Observation strains = even_curve(3), given = strains;
     strains.measured = given.measured = VectorXd{{0.02, 0.08, 0.06}};
     strains.curves[0].along.resize(0);
-    strains.curves[0].is_strain = true;
+    strains.curves[0].phases = {0, 2};
     given.curves[0].along = places_along(given.measured);
     const auto covariance = [](const Observation& o) {
         MatrixXd c = MatrixXd::Zero(3, 3);
@@ -68,6 +68,34 @@ TEST(Observation, TheMisfitOfStrainsIsCorrelatedAlongThemselves) {
     };
     EXPECT_EQ(covariance(strains), covariance(given));
     EXPECT_GT(covariance(strains)(1, 2), covariance(strains)(0, 1));
+}
+
+TEST(Observation, ReboundIsComparedFromWhereItBegins) {
+    // Independent in loading; from there on the sum of the error at the end of the phase before and one anew.
+    Observation strains = even_curve(6);
+    strains.curves[0].along.resize(0);
+    strains.curves[0].phases = {0, 2, 4};
+    const auto covariance = [&](double misfit) {
+        MatrixXd c = MatrixXd::Zero(6, 6);
+        ReadingNoise(strains, transforms_of(strains), StrainMisfit::nearest)
+            .add(VectorXd::Constant(1, misfit), c);
+        return c;
+    };
+    MatrixXd sum(6, 6);       // of independent errors
+    sum << 1, 0, 0, 0, 0, 0,  //
+        0, 1, 0, 0, 0, 0,     //
+        0, 1, 1, 0, 0, 0,     //
+        0, 1, 0, 1, 0, 0,     //
+        0, 1, 0, 1, 1, 0,     //
+        0, 1, 0, 1, 0, 1;
+    const MatrixXd misfit = covariance(0.01) - covariance(0);
+    const VectorXd sd = misfit.diagonal().cwiseSqrt(),
+                   expected_sd = (sum * sum.transpose()).diagonal().cwiseSqrt();
+    for (Index i = 0; i < 6; ++i)
+        for (Index j = 0; j < 6; ++j)
+            EXPECT_NEAR(misfit(i, j) / (sd[i] * sd[j]),
+                        (sum * sum.transpose())(i, j) / (expected_sd[i] * expected_sd[j]), 1e-9);
+    EXPECT_GT(misfit(0, 0), 0);
 }
 
 TEST(Observation, SpecimensShareNoPackingNoise) {
