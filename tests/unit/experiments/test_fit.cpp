@@ -189,5 +189,31 @@ TEST(Fit, OfSetsThatWereTriedTheOneWhoseRunsAreNearestIsTheMostProbable) {
     EXPECT_THROW(chosen({}), std::invalid_argument);
 }
 
+TEST(Fit, OfSetsThatWereTriedTheNearestIsTakenThoughItsErrorsAlternate) {
+    // A misfit that is correlated along the curve makes a constant offset the more probable.
+    HalfKnown given;
+    given.observation.measured.resize(HalfKnown::readings);
+    for (Eigen::Index k = 0; k < HalfKnown::readings; ++k)
+        given.observation.measured[k] = HalfKnown::strain(0.3, k);
+    ObservedCurve curve;
+    curve.count = HalfKnown::readings;
+    curve.phases = {0};
+    given.observation.curves = {curve};
+    const std::vector<OutputTransform> transforms = transforms_of(given.observation);
+    const TrainedEmulator trained =
+        train_emulator(given.runs, given.space, given.columns, transforms, given.settings);
+    const auto off_by = [&](double even, double odd) {
+        TriedSet set{Eigen::VectorXd::Constant(1, 0.3), Eigen::VectorXd(HalfKnown::readings), 12};
+        for (Eigen::Index k = 0; k < HalfKnown::readings; ++k)
+            set.mean[k] = transforms[static_cast<std::size_t>(k)].forward(given.observation.measured[k] +
+                                                                          (k % 2 == 0 ? even : odd));
+        return set;
+    };
+    Fit found = fit(trained, given.space, given.observation, given.settings);
+    EXPECT_EQ(choose(found, {off_by(0.003, 0.003), off_by(0.002, -0.002)}, trained, given.space,
+                     given.observation, given.settings),
+              1u);
+}
+
 }  // namespace
 }  // namespace loam::experiments
