@@ -130,7 +130,7 @@ bool header_is_sound(const CsvTable& table, Faults& faults) {
     return true;
 }
 
-/// RowsRead to the header's length: surplus empty cells go, anything else is a fault.
+/// Rows to the header's length: surplus empty cells go, anything else is a fault.
 bool rows_fit(CsvTable& table, Faults& faults) {
     RepeatedFault ragged(faults, table.file);
     const std::size_t columns = table.header.size();
