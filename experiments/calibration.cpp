@@ -20,9 +20,6 @@ using Eigen::VectorXd;
 constexpr std::uint64_t rounds_from = 2'000'000, round_size = 10'000, confirmations_from = 3'000'000,
                         rounds_of_a_task = 20;
 constexpr std::uint64_t confirmation_packings = 2;  // of run_seed
-// Sets tried whose direct runs are doubled before one is chosen: the mean of twelve runs of sand that
-// collapses is as uncertain as the sets differ.
-constexpr std::size_t most_finalists = 3;
 
 /// A direct run, on a packing that no emulator is trained on.
 RunSpec confirmation_spec(const Campaign& campaign, std::uint64_t index, const VectorXd& parameters) {
@@ -101,26 +98,30 @@ void judge(const Campaign& campaign, Calibration& c, const Observation& observat
 }
 
 /// Where the emulator never became sure, its most probable set is no better than what it does not know: takes
-/// that of the sets tried which is the most probable by direct runs, the foremost by twice as many. As those
-/// runs have chosen it, and by luck among other things, it is confirmed by others.
-void take_best(Campaign& campaign, Calibration& c, std::vector<TriedSet> sets, const Observation& observation,
-               const CalibrationTask& task) {
-    const auto best_of = [&](const std::vector<TriedSet>& among) {
-        return choose(c.fit, among, *c.trained, campaign.space(), observation, campaign.settings());
-    };
-    const std::size_t all = sets.size();
+/// that of the sets tried which is the most probable by direct runs, by twice as many where they leave
+/// several in question: the mean of twelve runs of sand that collapses is as uncertain as they differ. As
+/// those runs have chosen it, and by luck among other things, it is confirmed by others.
+void take_best(Campaign& campaign, Calibration& c, const std::vector<TriedSet>& sets,
+               const Observation& observation, const CalibrationTask& task) {
+    const Settings& settings = campaign.settings();
+    const std::vector<std::size_t> foremost =
+        in_question(densities_by_runs(sets, *c.trained, campaign.space(), observation, settings));
+    const int times = foremost.size() > 1 ? 2 : 1;
     std::vector<TriedSet> finalists;
-    while (!sets.empty() && finalists.size() < most_finalists) {
-        const std::size_t best = best_of(sets);
-        confirm(campaign, c, sets[best].round, task, 2);  // half of them are there
-        finalists.push_back(tried(c, sets[best].round));
-        sets.erase(sets.begin() + static_cast<std::ptrdiff_t>(best));
-    }
-    const int round = finalists[best_of(finalists)].round;
-    confirm(campaign, c, campaign.settings().calibration.max_rounds + 1, task, 2);
+    for (const std::size_t k : foremost) finalists.push_back(sets[k]);
+    if (times > 1)
+        for (TriedSet& set : finalists) {
+            c.fit.estimate = set.x;
+            confirm(campaign, c, set.round, task, times);  // half of them are there
+            set = tried(c, set.round);
+        }
+    const std::size_t best = choose(c.fit, finalists, *c.trained, campaign.space(), observation, settings);
+    confirm(campaign, c, settings.calibration.max_rounds + 1, task, times);
     judge(campaign, c, observation);
-    c.rounds.back().text +=
-        fmt::format("; the estimate of round {}, of {} the most probable by its direct runs", round + 1, all);
+    c.rounds.back().text += fmt::format(
+        "; the estimate of round {}, of {} the most probable by its direct runs, which leave {} "
+        "in question",
+        finalists[best].round + 1, sets.size(), finalists.size());
 }
 
 void warn_of_disagreement(Calibration& c) {
@@ -138,7 +139,8 @@ void warn_of_failures(const std::vector<RunRecord>& runs, Calibration& c) {
                     failed, runs.size(), first->reason));
 }
 
-void warn_of_search(const Campaign& campaign, Calibration& c) {
+/// `apart`: of bring_to_estimate.
+void warn_of_search(const Campaign& campaign, Index apart, Calibration& c) {
     const optimizers::Posterior& p = c.fit.posterior;
     if (p.rhat.maxCoeff() > 1.05 || p.ess_bulk.minCoeff() < 200)
         c.warnings.push_back(
@@ -149,12 +151,15 @@ void warn_of_search(const Campaign& campaign, Calibration& c) {
             fmt::format("the emulator makes {:.0f} % of the residuals' variance: the intervals are wide, or "
                         "lie apart from the estimate, for want of runs (--runs, calibration.max_rounds)",
                         100 * share));
-    if (const Index k = outside_posterior(c.fit); k >= 0)
+    if (apart >= 0)
         c.warnings.push_back(fmt::format(
-            "the estimate of {} lies outside the central 99 % of its posterior: the emulator is much "
-            "less sure in one place than in the other, and more rounds (calibration.max_rounds) "
-            "are needed",
-            campaign.space().info(k).name));
+            "the posterior lies where the emulator knows least, apart from the estimate of {}: the intervals "
+            "are by an emulator that is everywhere as sure as it typically is between its runs; more rounds "
+            "(calibration.max_rounds) are needed",
+            campaign.space().info(apart).name));
+    if (const Index k = outside_posterior(c.fit, reported_interval); k >= 0)
+        c.warnings.push_back(
+            fmt::format("the interval of {} does not hold its estimate", campaign.space().info(k).name));
     for (Index k = 0; k < campaign.space().dimension(); ++k)
         if (is_at_a_bound(c.fit.estimate[k]))
             c.warnings.push_back(fmt::format("{} lies at the bound of its prior; wider bounds may fit better",
@@ -250,7 +255,7 @@ Calibration calibrate(Campaign& campaign, std::vector<RunRecord>& runs, const Ca
         add_runs(campaign, c, runs, round, task);
     }
     warn_of_failures(runs, c);
-    warn_of_search(campaign, c);
+    warn_of_search(campaign, bring_to_estimate(c.fit), c);
     return c;
 }
 

@@ -113,6 +113,7 @@ class Campaign {
     TestEffects effects_;
     std::vector<std::string> warnings_;  // before the tests, whose selection adds to it
     std::vector<CampaignTest> tests_;
+    std::vector<std::size_t> as_simulated_;  // of tests_: a run ends with the first that fails
     Eigen::Index outputs_ = 0;
     double grain_density_ = 0;
     bool measured_ = true;

@@ -2,6 +2,8 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <functional>
+#include <numeric>
 
 #include "experiments/cross_test.hpp"
 #include "experiments/ensemble/run_seed.hpp"
@@ -17,6 +19,8 @@ using Eigen::VectorXd;
 constexpr double allowed_shift = 0.5;     // of the posterior's standard deviation
 constexpr double most_by_chance = 2;      // beyond that the runs are too few to tell anything
 constexpr double chance_in_errors = 2.5;  // standard errors: 3 % a parameter, of 12 runs (Student's t)
+constexpr double decisive = 4.6;          // in log density: 100:1
+constexpr std::size_t most_in_question = 3;
 constexpr std::uint64_t draw_stream = 4;  // of run_seed
 
 /// Variance [m] of the mean of the rows of a [n x m].
@@ -62,17 +66,35 @@ MatrixXd transformed_curves(const std::vector<RunRecord>& runs, const std::vecto
     return out;
 }
 
-Index outside_posterior(const Fit& fit) {
+Index outside_posterior(const Fit& fit, double central) {
+    const double tail = 0.5 * (1 - central);
     for (Index k = 0; k < fit.estimate.size(); ++k) {
         const VectorXd draws = fit.posterior.draws.col(k);
         const std::vector<double> values(draws.begin(), draws.end());
-        if (fit.estimate[k] < quantile(values, 0.005) || fit.estimate[k] > quantile(values, 0.995)) return k;
+        if (fit.estimate[k] < quantile(values, tail) || fit.estimate[k] > quantile(values, 1 - tail))
+            return k;
     }
     return -1;
 }
 
 bool is_sure(const Fit& fit) {
     return fit.emulator_share <= tolerable_share && outside_posterior(fit) < 0;
+}
+
+Index bring_to_estimate(Fit& fit) {
+    const Index apart = is_sure(fit) ? -1 : outside_posterior(fit, reported_interval);
+    if (apart >= 0) fit.posterior = fit.plausible;
+    return apart;
+}
+
+std::vector<std::size_t> in_question(const std::vector<double>& densities) {
+    std::vector<std::size_t> out(densities.size());
+    std::iota(out.begin(), out.end(), 0);
+    std::ranges::sort(out, std::greater<>(), [&](std::size_t k) { return densities[k]; });
+    const auto settled = std::ranges::find_if(
+        out, [&](std::size_t k) { return densities[k] < densities[out.front()] - decisive; });
+    out.resize(std::min(most_in_question, static_cast<std::size_t>(settled - out.begin())));
+    return out;
 }
 
 MatrixXd sets_to_add(const Fit& fit, int whole, bool follows, std::uint64_t seed, std::uint64_t first) {
@@ -85,7 +107,7 @@ MatrixXd sets_to_add(const Fit& fit, int whole, bool follows, std::uint64_t seed
     }
     MatrixXd out(all, fit.estimate.size());
     for (int k = 0; k < all; ++k) {
-        const MatrixXd& draws = k < posterior ? fit.posterior.draws : fit.plausible;
+        const MatrixXd& draws = k < posterior ? fit.posterior.draws : fit.plausible.draws;
         const std::uint64_t number = run_seed(seed, first + static_cast<std::uint64_t>(k), draw_stream);
         const auto row = static_cast<Index>(number % static_cast<std::uint64_t>(draws.rows()));
         out.row(k) = draws.row(row).head(out.cols());

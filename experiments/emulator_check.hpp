@@ -12,9 +12,16 @@ namespace loam::experiments {
 
 inline constexpr double tolerable_share = 0.25;  // of the residuals' variance that the emulator may cause
 
-/// The first parameter whose estimate lies outside the posterior's central 99 %; -1 if none does. The two
-/// differ where the emulator is much less sure in one place than in the other.
-Eigen::Index outside_posterior(const Fit& fit);
+/// The first parameter whose estimate lies outside the central part of the posterior; -1 if none does. The
+/// two differ where the emulator is much less sure in one place than in the other.
+Eigen::Index outside_posterior(const Fit& fit, double central = 0.99);
+
+inline constexpr double reported_interval = 0.9;  // central part of the posterior
+
+/// Where the emulator is not sure, and the intervals do not hold the estimate, they tell where it knows
+/// least, not what was measured: Fit::plausible becomes the posterior. Returns the first parameter for which
+/// it was so, or -1.
+Eigen::Index bring_to_estimate(Fit& fit);
 
 /// Whether the posterior is about the estimate, and hardly made of what the emulator does not know.
 bool is_sure(const Fit& fit);
@@ -32,6 +39,10 @@ Eigen::MatrixXd sets_to_add(const Fit& fit, int whole, bool follows, std::uint64
 Eigen::MatrixXd transformed_curves(const std::vector<RunRecord>& runs,
                                    const std::vector<Eigen::Index>& columns,
                                    const std::vector<OutputTransform>& transforms);
+
+/// Places of the sets tried between which direct runs do not decide, three at the most, the foremost first:
+/// of log densities [k] (densities_by_runs), k > 0, those not further behind the greatest than 100:1.
+std::vector<std::size_t> in_question(const std::vector<double>& densities);
 
 struct EmulatorCheck {
     // How far the posterior's mean would move, were the emulator corrected by what the direct runs' mean

@@ -230,14 +230,13 @@ Feasibility feasibility_of(const std::vector<RunRecord>& runs, const ParameterSp
 }
 
 /// See Fit::plausible.
-MatrixXd plausible_draws(const Likelihood& likelihood, const Settings& settings) {
+optimizers::Posterior plausible_posterior(const Likelihood& likelihood, const Settings& settings) {
     const VectorXd open = likelihood.typical_variance();
     const auto density = [&](const VectorXd& theta, VectorXd*) {
         return likelihood.log_representative(theta, open);
     };
     return optimizers::sample_posterior(density, optimizers::unit_cube(likelihood.dimension()),
-                                        sampling_options(settings, 14))
-        .draws;
+                                        sampling_options(settings, 14));
 }
 
 /// The coordinates x [d] with the misfits' that maximise a log density, and its value there.
@@ -255,6 +254,17 @@ std::pair<VectorXd, double> most_probable_misfits(const Likelihood& likelihood, 
                                                            VectorXd::Constant(misfits, 0.5));
     theta.tail(misfits) = found.x;
     return {theta, -found.value};
+}
+
+Likelihood nearest_to_curves(const TrainedEmulator& trained, const ParameterSpace& space,
+                             const Observation& observation, const Settings& settings) {
+    return {trained, space, observation, settings.calibration.confirmation_packings, StrainMisfit::nearest};
+}
+
+std::pair<VectorXd, double> misfits_by_runs(const Likelihood& nearest, const TriedSet& set) {
+    return most_probable_misfits(nearest, set.x, [&](const VectorXd& theta) {
+        return nearest.log_by_runs(theta, set.mean, set.runs);
+    });
 }
 
 }  // namespace
@@ -289,7 +299,7 @@ TrainedEmulator train_emulator(const std::vector<RunRecord>& runs, const Paramet
 Window plausible_window(const TrainedEmulator& trained, const ParameterSpace& space,
                         const Observation& observation, const Settings& settings) {
     const Likelihood likelihood(trained, space, observation, settings.calibration.confirmation_packings);
-    return window_about(plausible_draws(likelihood, settings).leftCols(likelihood.parameters()));
+    return window_about(plausible_posterior(likelihood, settings).draws.leftCols(likelihood.parameters()));
 }
 
 Fit fit(const TrainedEmulator& trained, const ParameterSpace& space, const Observation& observation,
@@ -297,8 +307,8 @@ Fit fit(const TrainedEmulator& trained, const ParameterSpace& space, const Obser
     const Likelihood likelihood(trained, space, observation, settings.calibration.confirmation_packings);
     const Index n = likelihood.dimension(), d = likelihood.parameters();
     Fit out;
-    out.plausible = plausible_draws(likelihood, settings);
-    const Window window = window_about(out.plausible.leftCols(d));
+    out.plausible = plausible_posterior(likelihood, settings);
+    const Window window = window_about(out.plausible.draws.leftCols(d));
     optimizers::Bounds box = optimizers::unit_cube(n);
     box.lower.head(d) = window.lower;
     box.upper.head(d) = window.upper;
@@ -324,19 +334,20 @@ Fit fit(const TrainedEmulator& trained, const ParameterSpace& space, const Obser
         out.emulator_share += emulator / all / static_cast<double>(looks.rows());
     }
 
-    const auto negative = [&](const VectorXd& theta, VectorXd*) { return -likelihood.log_expected(theta); };
+    const Likelihood nearest = nearest_to_curves(trained, space, observation, settings);
+    const auto negative = [&](const VectorXd& theta, VectorXd*) { return -nearest.log_expected(theta); };
     const optimizers::Minimum global =
         optimizers::minimise(settings.calibration.global_optimizer, negative, box, start, options);
     out.global = global.summary;
     VectorXd theta = global.x;
     double value = -global.value;
-    refine(likelihood, theta, value, out.local);
+    refine(nearest, theta, value, out.local);
     // The chains may have met a better point than the search did.
     for (Index k = 0; k < looks.rows(); ++k) {
         VectorXd other = looks.row(k).transpose();
-        double there = likelihood.log_expected(other);
+        double there = nearest.log_expected(other);
         if (there <= value) continue;
-        refine(likelihood, other, there, out.local);
+        refine(nearest, other, there, out.local);
         theta = other;
         value = there;
     }
@@ -352,24 +363,23 @@ Fit fit(const TrainedEmulator& trained, const ParameterSpace& space, const Obser
     return out;
 }
 
+std::vector<double> densities_by_runs(const std::vector<TriedSet>& sets, const TrainedEmulator& trained,
+                                      const ParameterSpace& space, const Observation& observation,
+                                      const Settings& settings) {
+    const Likelihood nearest = nearest_to_curves(trained, space, observation, settings);
+    std::vector<double> out;
+    for (const TriedSet& set : sets) out.push_back(misfits_by_runs(nearest, set).second);
+    return out;
+}
+
 std::size_t choose(Fit& fit, const std::vector<TriedSet>& sets, const TrainedEmulator& trained,
                    const ParameterSpace& space, const Observation& observation, const Settings& settings) {
     if (sets.empty()) throw std::invalid_argument("choose: no sets");
-    const int packings = settings.calibration.confirmation_packings;
-    const Likelihood likelihood(trained, space, observation, packings),
-        nearest(trained, space, observation, packings, StrainMisfit::nearest);
-    VectorXd theta;
-    double greatest = -INFINITY;
-    std::size_t best = 0;
-    for (std::size_t k = 0; k < sets.size(); ++k) {
-        const auto [at, density] = most_probable_misfits(nearest, sets[k].x, [&](const VectorXd& t) {
-            return nearest.log_by_runs(t, sets[k].mean, sets[k].runs);
-        });
-        if (k > 0 && density <= greatest) continue;
-        theta = at;
-        greatest = density;
-        best = k;
-    }
+    const std::vector<double> densities = densities_by_runs(sets, trained, space, observation, settings);
+    const auto best = static_cast<std::size_t>(std::ranges::max_element(densities) - densities.begin());
+    const VectorXd theta =
+        misfits_by_runs(nearest_to_curves(trained, space, observation, settings), sets[best]).first;
+    const Likelihood likelihood(trained, space, observation, settings.calibration.confirmation_packings);
     fit.estimate = sets[best].x;
     fit.misfits = likelihood.misfits_at(theta);
     fit.log_posterior = likelihood.log_posterior(theta);

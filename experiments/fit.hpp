@@ -39,14 +39,17 @@ TrainedEmulator train_emulator(const std::vector<RunRecord>& runs, const Paramet
                                const std::vector<OutputTransform>& transforms, const Settings& settings);
 
 struct Fit {
-    Eigen::VectorXd estimate;  // [d] coordinates in the unit cube that are expected to be the most probable
+    // [d] coordinates in the unit cube that are expected to be the most probable, by StrainMisfit::nearest:
+    // where the model cannot follow a curve, those that come nearest. The posterior is by
+    // StrainMisfit::along: with one along the curve many other sets are as good.
+    Eigen::VectorXd estimate;
     Eigen::VectorXd
         misfits;  // sizes of what the model cannot follow, at the estimate: ObservedCurve::misfit_sd
     double log_posterior = 0;         // at the estimate, up to a constant
     optimizers::Posterior posterior;  // draws [n x d+misfits]: coordinates, misfits'
-    // Draws [k x d+misfits] of the posterior were the emulator as sure everywhere as it typically is between
-    // its runs: not drawn to where it knows nothing and so excludes nothing.
-    Eigen::MatrixXd plausible;
+    // The posterior were the emulator as sure everywhere as it typically is between its runs: not drawn to
+    // where it knows nothing and so excludes nothing.
+    optimizers::Posterior plausible;
     Eigen::MatrixXd covariance;         // [m x m] of the residuals at the estimate, transformed scale
     double emulator_share = 0;          // of the residuals' variance, mean over the posterior's draws
     optimizers::Summary global, local;  // of the search for the estimate
@@ -64,9 +67,14 @@ struct TriedSet {
     int round = 0;  // of the calibration that tried it
 };
 
-/// Makes that of the sets the fit's estimate which is the most probable by its direct runs in place of the
-/// emulator, each at its most probable misfits; the posterior stays. Returns its place. Throws
-/// std::invalid_argument when there are none.
+/// Log density [k] of each of the sets, up to a constant: by its direct runs in place of the emulator, at its
+/// most probable misfits.
+std::vector<double> densities_by_runs(const std::vector<TriedSet>& sets, const TrainedEmulator& trained,
+                                      const ParameterSpace& space, const Observation& observation,
+                                      const Settings& settings);
+
+/// Makes that of the sets the fit's estimate which is the most probable by its direct runs; the posterior
+/// stays. Returns its place. Throws std::invalid_argument when there are none.
 std::size_t choose(Fit& fit, const std::vector<TriedSet>& sets, const TrainedEmulator& trained,
                    const ParameterSpace& space, const Observation& observation, const Settings& settings);
 

@@ -20,7 +20,7 @@ constexpr int packings_per_replicated_point = 4;
 constexpr std::uint64_t training_packings = 1, design_stream = 3;  // of run_seed
 
 /// Training shares a pool of packings, large enough that the pool's own mean is no noticeable error.
-constexpr std::uint64_t packing_pool = 128;
+constexpr std::uint64_t packing_pool = 64;
 
 Window whole(Index d) {
     return {VectorXd::Zero(d), VectorXd::Ones(d)};

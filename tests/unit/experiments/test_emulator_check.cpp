@@ -131,9 +131,35 @@ Fit posterior_about_a_half(double first, double emulator_share) {
     out.posterior.draws.resize(201, 3);
     for (Index k = 0; k <= 200; ++k)
         out.posterior.draws.row(k) << 0.4 + 0.001 * static_cast<double>(k), 0.005 * static_cast<double>(k), 1;
-    out.plausible = out.posterior.draws.array() + 10;
+    out.plausible.draws = out.posterior.draws.array() + 10;
     out.emulator_share = emulator_share;
     return out;
+}
+
+TEST(EmulatorCheck, APosteriorApartFromTheEstimateGivesWayToWhatIsPlausible) {
+    const auto gives_way = [](double estimate, double emulator_share) {
+        Fit fit = posterior_about_a_half(estimate, emulator_share);
+        const MatrixXd draws = fit.posterior.draws;
+        const Index which = bring_to_estimate(fit);
+        EXPECT_EQ(fit.posterior.draws, which < 0 ? draws : fit.plausible.draws);
+        return which;
+    };
+    EXPECT_EQ(gives_way(0.7, 0.2), 0);
+    EXPECT_EQ(gives_way(0.5, 0.9), -1);
+    // Outside the central 90 %, within 99 %: where the emulator is sure, that is the posterior's shape.
+    EXPECT_EQ(gives_way(0.595, 0.9), 0);
+    EXPECT_EQ(gives_way(0.595, 0.2), -1);
+}
+
+TEST(EmulatorCheck, SetsFarBehindTheForemostAreNotInQuestion) {
+    using Places = std::vector<std::size_t>;
+    EXPECT_EQ(in_question({-7}), Places({0}));
+    EXPECT_EQ(in_question({-7, 3, -1.5, 2}), Places({1, 3, 2}));
+    EXPECT_EQ(in_question({-7, 3, -1.7, 2}), Places({1, 3}));
+    EXPECT_EQ(in_question({-4, -3, -2, -1}), Places({3, 2, 1}));
+    EXPECT_EQ(in_question({-INFINITY, -INFINITY, 0}), Places({2}));
+    // A set of which nothing is known but that it is impossible is still better than none.
+    EXPECT_EQ(in_question({-INFINITY}), Places({0}));
 }
 
 /// How many of the sets to add are draws of the posterior and how many plausible ones; -1 where one is
@@ -146,7 +172,7 @@ std::pair<int, int> drawn(const Fit& fit, int whole, bool follows) {
             return (draws.leftCols(2).rowwise() - sets.row(k)).rowwise().squaredNorm().minCoeff() == 0;
         };
         posterior += is_in(fit.posterior.draws);
-        plausible += is_in(fit.plausible);
+        plausible += is_in(fit.plausible.draws);
     }
     return posterior + plausible == sets.rows() ? std::pair{posterior, plausible} : std::pair{-1, -1};
 }

@@ -157,6 +157,39 @@ TEST(Fit, ThePosteriorStaysWhereParametersArePlausible) {
     EXPECT_GE(found.posterior.draws.col(0).minCoeff(), window.lower[0]);
 }
 
+TEST(Fit, TheEstimateIsNearestThoughAnOffsetWouldBeMoreProbable) {
+    // Measured is the model's curve at 0.4 and a constant more, which a misfit that is correlated along the
+    // curve explains at 0.4, though a steeper curve is nearer.
+    HalfKnown given;
+    const auto curve_at = [](double x, Eigen::Index k) {
+        return 0.01 * static_cast<double>(k + 1) * (1 + x);
+    };
+    constexpr double offset = 0.008;
+    given.observation.measured.resize(HalfKnown::readings);
+    double nearest = 0, squares = 0;
+    for (Eigen::Index k = 0; k < HalfKnown::readings; ++k) {
+        given.observation.measured[k] = curve_at(0.4, k) + offset;
+        const double slope = curve_at(1, k) - curve_at(0, k);
+        nearest += offset * slope;
+        squares += slope * slope;
+    }
+    nearest = 0.4 + nearest / squares;
+    std::mt19937_64 random(11);
+    std::normal_distribution<double> normal;
+    for (RunRecord& run : given.runs) {
+        run.spec.parameters *= 2;
+        for (Eigen::Index k = 0; k < HalfKnown::readings; ++k)
+            run.outputs[k] = curve_at(run.spec.parameters[0], k) * (1 + 0.01 * normal(random));
+    }
+    ObservedCurve curve;
+    curve.count = HalfKnown::readings;
+    curve.phases = {0};
+    given.observation.curves = {curve};
+    const TrainedEmulator trained = train_emulator(given.runs, given.space, given.columns,
+                                                   transforms_of(given.observation), given.settings);
+    EXPECT_NEAR(fit(trained, given.space, given.observation, given.settings).estimate[0], nearest, 0.015);
+}
+
 TEST(Fit, OfSetsThatWereTriedTheOneWhoseRunsAreNearestIsTheMostProbable) {
     HalfKnown given;
     given.observation.measured.resize(HalfKnown::readings);
