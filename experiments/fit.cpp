@@ -208,6 +208,7 @@ optimizers::PosteriorOptions sampling_options(const Settings& settings, std::uin
     out.max_draws = settings.calibration.posterior_draws;
     out.wanted_ess = std::min(2000.0, static_cast<double>(settings.calibration.posterior_draws));
     out.max_evaluations = 300000;
+    out.threads = settings.jobs;
     return out;
 }
 

@@ -30,7 +30,10 @@ int particles_for(Eigen::Index k) {
 class Sampler {
   public:
     Sampler(const Objective& log_density, const Bounds& bounds, const PosteriorOptions& options)
-        : options_(options), bounds_(bounds), target_(log_density, bounds), random_(options.seed) {}
+        : options_(options),
+          bounds_(bounds),
+          target_(log_density, bounds, options.threads),
+          random_(options.seed) {}
 
     Posterior run();
 
@@ -119,8 +122,9 @@ void Sampler::learn_from_draws() {
 void Sampler::take_draws(double count) {
     const std::size_t wanted = draws_.size() + static_cast<std::size_t>(count);
     while (draws_.size() < wanted && !spent()) {
+        const std::vector<bool> moved = kernel_->sweep(chains_, 1, random_, tally_);
         for (std::size_t i = 0; i < chains_.size(); ++i) {
-            if (kernel_->step(chains_[i], 1, random_, tally_)) {
+            if (moved[i]) {
                 at_[i] = visited_.size();
                 visited_.push_back(chains_[i]);
             }
@@ -233,6 +237,7 @@ void PosteriorOptions::validate(Eigen::Index d) const {
           "at least " + std::to_string(20 * particles_for(d)) + " for " + std::to_string(d) + " variables");
     check(max_evaluations >= 100 * chains, "max_evaluations", max_evaluations, "at least 100 per chain");
     check(max_seconds >= 0, "max_seconds", max_seconds, "at least 0 (0: no limit)");
+    check(threads >= 0, "threads", threads, "at least 0 (0: as OpenMP says)");
     check(max_draws >= 1, "max_draws", max_draws, "at least 1");
 }
 

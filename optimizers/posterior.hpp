@@ -24,7 +24,9 @@
 namespace loam::optimizers {
 
 struct PosteriorOptions {
-    int chains = 8;            ///< >= 2; run one after the other
+    int chains = 8;            ///< >= 2
+    int threads = 1;           ///< that evaluate the density at once, 0: as OpenMP says; the draws do not
+                               ///< depend on it
     double wanted_ess = 4000;  ///< effective draws wanted of every variable, bulk and tails; >= 10 per chain
     double max_rhat = 1.01;    ///< in (1, 2); Vehtari et al. (2021) advise 1.01
     int max_evaluations =
@@ -51,9 +53,10 @@ struct Posterior {
 };
 
 /// Samples exp(log_density(x)) over `bounds`. The density is called without gradient; where it is not finite
-/// (or not a number) it counts as zero. Variables with equal bounds stay fixed, with R-hat 1 and as many
-/// effective draws as draws. Throws std::invalid_argument for unsound bounds or options; std::runtime_error
-/// when hardly any of thousands of points spread over the box has a density; whatever the density throws.
+/// (or not a number) it counts as zero; with several threads, from several at once. Variables with equal
+/// bounds stay fixed, with R-hat 1 and as many effective draws as draws. Throws std::invalid_argument for
+/// unsound bounds or options; std::runtime_error when hardly any of thousands of points spread over the box
+/// has a density; whatever the density throws.
 Posterior sample_posterior(const Objective& log_density, const Bounds& bounds,
                            const PosteriorOptions& options = {});
 

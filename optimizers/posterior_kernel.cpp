@@ -1,6 +1,10 @@
 #include "optimizers/posterior_kernel.hpp"
 
+#include <omp.h>
+
+#include <atomic>
 #include <cmath>
+#include <exception>
 #include <numeric>
 
 #include "optimizers/normal.hpp"
@@ -29,24 +33,39 @@ bool inside_cube(const Vector& u) {
 
 }  // namespace
 
-bool CubeTarget::evaluate_u(const Vector& u, ChainState& state) {
+CubeTarget::CubeTarget(const Objective& log_density, const Bounds& bounds, int threads)
+    : log_density_(log_density), box_(bounds), threads_(threads > 0 ? threads : omp_get_max_threads()) {}
+
+bool CubeTarget::place_u(const Vector& u, ChainState& state) {
     if (!inside_cube(u)) return false;
     state.u = u;
     state.z = u.unaryExpr([](double value) { return normal_quantile(value); });
-    return evaluate(state);
+    return true;
 }
 
-bool CubeTarget::evaluate_z(const Vector& z, ChainState& state) {
+bool CubeTarget::place_z(const Vector& z, ChainState& state) {
     state.z = z;
     state.u = z.unaryExpr([](double value) { return normal_probability(value); });
-    return inside_cube(state.u) && evaluate(state);
+    return inside_cube(state.u);
 }
 
-bool CubeTarget::evaluate(ChainState& state) {
-    state.x = box_.to_x(state.u);
-    ++evaluations_;
-    state.log_density = log_density_(state.x, nullptr);
-    return std::isfinite(state.log_density);
+void CubeTarget::evaluate(std::span<ChainState* const> states) {
+    const int count = static_cast<int>(states.size());
+    std::exception_ptr thrown;
+    std::atomic<bool> ended = false;
+#pragma omp parallel for schedule(dynamic, 1) num_threads(threads_)
+    for (int i = 0; i < count; ++i) {
+        if (ended) continue;
+        ChainState& state = *states[static_cast<std::size_t>(i)];
+        try {
+            state.x = box_.to_x(state.u);
+            state.log_density = log_density_(state.x, nullptr);
+        } catch (...) {
+            if (!ended.exchange(true)) thrown = std::current_exception();
+        }
+    }
+    if (thrown) std::rethrow_exception(thrown);
+    evaluations_ += count;
 }
 
 double Tally::total_jumped() const {
@@ -81,23 +100,34 @@ Vector Kernel::difference(const Matrix& archive, Random& random) const {
     return archive.col(a) - archive.col(b);
 }
 
-bool Kernel::propose(Move move, const ChainState& state, ChainState& proposed, Random& random) const {
+bool Kernel::place(const ChainState& state, Proposal& proposal, Random& random) const {
     // The length that is best for a normal density (ter Braak 2006), spread to suit others.
     const double length =
         2.38 / std::sqrt(2.0 * static_cast<double>(target_.size())) * (0.5 + random.uniform());
-    switch (move) {
+    switch (proposal.move) {
         case difference_u:
-            return target_.evaluate_u(state.u + length * difference(u_, random), proposed);
+            return CubeTarget::place_u(state.u + length * difference(u_, random), proposal.state);
         case difference_z:
-            return target_.evaluate_z(state.z + length * difference(z_, random), proposed);
+            return CubeTarget::place_z(state.z + length * difference(z_, random), proposal.state);
         case jump_u:
-            return target_.evaluate_u(state.u + difference(u_, random), proposed);
+            return CubeTarget::place_u(state.u + difference(u_, random), proposal.state);
         case independent_u:
-            return target_.evaluate_u(mixture_u_.draw(random), proposed);
+            return CubeTarget::place_u(mixture_u_.draw(random), proposal.state);
         case independent_z:
-            return target_.evaluate_z(mixture_z_.draw(random), proposed);
+            return CubeTarget::place_z(mixture_z_.draw(random), proposal.state);
     }
     return false;
+}
+
+Kernel::Proposal Kernel::propose(const ChainState& state, Random& random) const {
+    double left = random.uniform();
+    std::size_t chosen = 0;
+    for (; chosen + 1 < move_count && left >= shares_[chosen]; ++chosen) left -= shares_[chosen];
+    Proposal out;
+    out.move = static_cast<Move>(chosen);
+    out.threshold = std::log(random.uniform());
+    out.possible = place(state, out, random);
+    return out;
 }
 
 double Kernel::log_ratio(Move move, ChainState& state, ChainState& proposed, double temper) const {
@@ -120,22 +150,32 @@ double Kernel::log_ratio(Move move, ChainState& state, ChainState& proposed, dou
     return ratio;
 }
 
-bool Kernel::step(ChainState& state, double temper, Random& random, Tally& tally) const {
-    double left = random.uniform();
-    std::size_t chosen = 0;
-    for (; chosen + 1 < move_count && left >= shares_[chosen]; ++chosen) left -= shares_[chosen];
-    const double threshold = std::log(random.uniform());
+bool Kernel::accept(ChainState& state, Proposal& proposal, double temper, Tally& tally) const {
     tally.steps += 1;
-    ChainState proposed;
-    const int before = target_.evaluations();
-    const bool possible = propose(static_cast<Move>(chosen), state, proposed, random);
-    tally.cost[chosen] += target_.evaluations() - before;
-    if (!possible || !(threshold < log_ratio(static_cast<Move>(chosen), state, proposed, temper)))
+    if (!proposal.possible) return false;
+    tally.cost[proposal.move] += 1;
+    if (!std::isfinite(proposal.state.log_density) ||
+        !(proposal.threshold < log_ratio(proposal.move, state, proposal.state, temper)))
         return false;
     tally.accepted += 1;
-    tally.jumped[chosen] += root_z_.triangularView<Eigen::Lower>().solve(proposed.z - state.z).squaredNorm();
-    state = std::move(proposed);
+    tally.jumped[proposal.move] +=
+        root_z_.triangularView<Eigen::Lower>().solve(proposal.state.z - state.z).squaredNorm();
+    state = std::move(proposal.state);
     return true;
+}
+
+std::vector<bool> Kernel::sweep(std::vector<ChainState>& states, double temper, Random& random,
+                                Tally& tally) const {
+    std::vector<Proposal> proposals;
+    for (const ChainState& state : states) proposals.push_back(propose(state, random));
+    std::vector<ChainState*> possible;
+    for (Proposal& proposal : proposals)
+        if (proposal.possible) possible.push_back(&proposal.state);
+    target_.evaluate(possible);
+    std::vector<bool> out;
+    for (std::size_t i = 0; i < states.size(); ++i)
+        out.push_back(accept(states[i], proposals[i], temper, tally));
+    return out;
 }
 
 }  // namespace loam::optimizers

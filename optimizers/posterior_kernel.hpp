@@ -3,6 +3,7 @@
 
 #include <array>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "optimizers/problem.hpp"
@@ -25,23 +26,22 @@ struct ChainState {
 /// The caller's density as one of the free variables.
 class CubeTarget {
   public:
-    CubeTarget(const Objective& log_density, const Bounds& bounds)
-        : log_density_(log_density), box_(bounds) {}
+    /// `threads`: that evaluate at once, where several states are to be; 0: as OpenMP says.
+    CubeTarget(const Objective& log_density, const Bounds& bounds, int threads);
 
     /// Number of free variables, k.
     Eigen::Index size() const { return box_.size(); }
     int evaluations() const { return evaluations_; }
-    /// Evaluates at u or at z and fills the state; false, and the state is of no use, where the density is
-    /// not finite or the point not inside the cube. The latter costs no evaluation.
-    bool evaluate_u(const Vector& u, ChainState& state);
-    bool evaluate_z(const Vector& z, ChainState& state);
+    /// Places the state at u or at z; false where that is not inside the cube.
+    static bool place_u(const Vector& u, ChainState& state);
+    static bool place_z(const Vector& z, ChainState& state);
+    /// Fills in the densities at where the states are placed. Throws what the density threw first.
+    void evaluate(std::span<ChainState* const> states);
 
   private:
-    bool evaluate(ChainState& state);
-
     const Objective& log_density_;
     ScaledBox box_;
-    int evaluations_ = 0;
+    int threads_, evaluations_ = 0;
 };
 
 enum Move : std::size_t { difference_u, difference_z, jump_u, independent_u, independent_z };
@@ -70,13 +70,22 @@ class Kernel {
     Kernel(CubeTarget& target, const std::vector<ChainState>& archive, int components, const Shares& shares,
            Random& random);
 
-    /// One move of `state`, of one evaluation at the most, told to the tally. A state that was last moved by
-    /// another kernel must have its proposals' densities cleared.
-    /// True if it was accepted.
-    bool step(ChainState& state, double temper, Random& random, Tally& tally) const;
+    /// One move of each of the states, of one evaluation at the most, told to the tally. A state that was
+    /// last moved by another kernel must have its proposals' densities cleared. Which of them were accepted.
+    std::vector<bool> sweep(std::vector<ChainState>& states, double temper, Random& random,
+                            Tally& tally) const;
 
   private:
-    bool propose(Move move, const ChainState& state, ChainState& proposed, Random& random) const;
+    struct Proposal {
+        Move move = difference_u;
+        double threshold = 0;
+        ChainState state;
+        bool possible = false;  // inside the cube
+    };
+
+    Proposal propose(const ChainState& state, Random& random) const;
+    bool place(const ChainState& state, Proposal& proposal, Random& random) const;
+    bool accept(ChainState& state, Proposal& proposal, double temper, Tally& tally) const;
     double log_ratio(Move move, ChainState& state, ChainState& proposed, double temper) const;
     Vector difference(const Matrix& archive, Random& random) const;
 

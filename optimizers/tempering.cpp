@@ -19,7 +19,9 @@ std::vector<ChainState> uniform_particles(CubeTarget& target, int size,
         ChainState state;
         Vector u(target.size());
         for (double& entry : u) entry = random.uniform();
-        if (target.evaluate_u(u, state)) particles.push_back(std::move(state));
+        CubeTarget::place_u(u, state);
+        target.evaluate({{&state}});
+        if (std::isfinite(state.log_density)) particles.push_back(std::move(state));
     }
     if (static_cast<Eigen::Index>(particles.size()) < target.size() + 2) {
         throw std::runtime_error(
@@ -89,7 +91,7 @@ WarmUp warm_up(CubeTarget& target, int size, const std::function<bool()>& half_s
         const Kernel kernel(target, state.particles, 4, state.shares, random);
         Tally tally;
         for (int sweep = 0; sweep < most_sweeps && tally.total_jumped() < parted && !half_spent(); ++sweep) {
-            for (ChainState& particle : state.particles) kernel.step(particle, temper, random, tally);
+            kernel.sweep(state.particles, temper, random, tally);
         }
         state.shares = tally.shares();
     }

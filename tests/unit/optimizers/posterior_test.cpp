@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <stdexcept>
 #include <thread>
@@ -299,6 +300,23 @@ TEST(Posterior, RepeatsUnderASeedAlsoBesideOthers) {
     }
 }
 
+TEST(Posterior, DoesNotDependOnTheNumberOfThreads) {
+    // A density that takes longer at some places, so that threads overtake each other.
+    const Objective density = [even = normal(3, 0.5, 0.1, 0.7)](const Vector& x, Vector*) {
+        if (x[0] > 0.5) std::this_thread::sleep_for(std::chrono::microseconds(20));
+        return even(x, nullptr);
+    };
+    const auto by = [&](int threads) {
+        return sample_posterior(density, unit_cube(3), {.threads = threads, .wanted_ess = 400, .seed = 5});
+    };
+    const Posterior one = by(1);
+    for (const int threads : {0, 2, 5}) {
+        const Posterior several = by(threads);
+        EXPECT_EQ(several.draws, one.draws);
+        EXPECT_EQ(several.summary.evaluations, one.summary.evaluations);
+    }
+}
+
 TEST(Posterior, HandsOverThinnedDrawsOfAllChainsWithTheirDensities) {
     const Objective density = normal(2, 0.5, 0.1, 0.3);
     const Posterior posterior =
@@ -320,6 +338,11 @@ TEST(Posterior, LetsExceptionsThroughAndSaysWhenThereIsNoDensity) {
     };
     EXPECT_THROW(sample_posterior(throwing, unit_cube(2)), std::domain_error);
     EXPECT_EQ(calls, 2500);
+    const Objective throwing_aside = [](const Vector& x, Vector*) {
+        if (x[0] > 0.9) throw std::domain_error("aside");
+        return 0.0;
+    };
+    EXPECT_THROW(sample_posterior(throwing_aside, unit_cube(2), {.threads = 3}), std::domain_error);
     const Objective nowhere = [](const Vector&, Vector*) { return -HUGE_VAL; };
     try {
         sample_posterior(nowhere, unit_cube(2), {.max_evaluations = 4000});
@@ -345,6 +368,7 @@ TEST(Posterior, RefusesUnsoundArguments) {
     refused({.max_evaluations = 3999}, "max_evaluations = 3999");
     refused({.max_seconds = -1}, "max_seconds = -1");
     refused({.max_draws = 0}, "max_draws = 0");
+    refused({.threads = -1}, "threads = -1");
     EXPECT_THROW(sample_posterior(flat, {vector({1}), vector({0})}), std::invalid_argument);
     EXPECT_THROW(sample_posterior(flat, {vector({1}), vector({1})}), std::invalid_argument);
 }
