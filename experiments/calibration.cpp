@@ -254,8 +254,9 @@ Calibration calibrate(Campaign& campaign, std::vector<RunRecord>& runs, const Ca
         }
         add_runs(campaign, c, runs, round, task);
     }
+    const Index apart = bring_to_estimate(c.fit);
     warn_of_failures(runs, c);
-    warn_of_search(campaign, bring_to_estimate(c.fit), c);
+    warn_of_search(campaign, apart, c);
     return c;
 }
 
