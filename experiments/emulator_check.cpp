@@ -103,11 +103,12 @@ MatrixXd sets_to_add(const Fit& fit, int whole, bool follows, std::uint64_t seed
         posterior = follows ? std::min(whole, 2) : (whole + 3) / 4;
         if (follows) all = posterior;
     } else if (!is_sure(fit)) {
-        posterior = (whole + 1) / 2;
+        posterior = (whole + 2) / 3;
     }
     MatrixXd out(all, fit.estimate.size());
     for (int k = 0; k < all; ++k) {
-        const MatrixXd& draws = k < posterior ? fit.posterior.draws : fit.plausible.draws;
+        const MatrixXd& others = (k - posterior) % 2 == 0 ? fit.near.draws : fit.plausible.draws;
+        const MatrixXd& draws = k < posterior ? fit.posterior.draws : others;
         const std::uint64_t number = run_seed(seed, first + static_cast<std::uint64_t>(k), draw_stream);
         const auto row = static_cast<Index>(number % static_cast<std::uint64_t>(draws.rows()));
         out.row(k) = draws.row(row).head(out.cols());

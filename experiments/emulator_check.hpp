@@ -26,13 +26,13 @@ Eigen::Index bring_to_estimate(Fit& fit);
 /// Whether the posterior is about the estimate, and hardly made of what the emulator does not know.
 bool is_sure(const Fit& fit);
 
-/// Coordinates [n x d], n at most `whole`, at which runs of a round are worth making: draws of the posterior
-/// and of Fit::plausible, the k-th by the random number of (seed, first + k). A posterior that is mostly the
-/// emulator's ignorance must be searched, but its runs say little of the estimate: half of them are made
-/// where the parameters are plausible by what the emulator does know. Where the estimate lies outside the
-/// posterior, a few runs in the latter end that, and such places, far from what was measured, can be dear (a
-/// direct shear posterior at 4e9 Pa, for a soil of 9e7: 24 s a run). A task that `follows` makes no direct
-/// runs until it is sure, and can take them two by two.
+/// Coordinates [n x d], n at most `whole`, at which runs of a round are worth making: draws of the posterior,
+/// of Fit::near and of Fit::plausible, the k-th by the random number of (seed, first + k). A posterior that
+/// is mostly the emulator's ignorance must be searched, but its runs say little of the estimate: two thirds
+/// of them are made near the estimate and where the parameters are plausible by what the emulator does know.
+/// Where the estimate lies outside the posterior, a few runs in the latter end that, and such places, far
+/// from what was measured, can be dear (a direct shear posterior at 4e9 Pa, for a soil of 9e7: 24 s a run). A
+/// task that `follows` makes no direct runs until it is sure, and can take them two by two.
 Eigen::MatrixXd sets_to_add(const Fit& fit, int whole, bool follows, std::uint64_t seed, std::uint64_t first);
 
 /// Outputs `columns` of the runs that succeeded [n x m], transformed.

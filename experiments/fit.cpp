@@ -4,12 +4,11 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include "experiments/ensemble/run_seed.hpp"
-#include "experiments/likelihood_terms.hpp"
-#include "experiments/residual_factor.hpp"
+#include "experiments/likelihood.hpp"
 #include "experiments/settings/validation.hpp"
 #include "optimizers/least_squares.hpp"
 #include "optimizers/registry.hpp"
@@ -21,163 +20,8 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-using surrogate::CurveNoise;
 
 constexpr double identified_below = 0.75;  // posterior over prior width
-// The emulator's variance over the typical one between its runs, at most. The design covers the prior, so
-// more is left open only where runs failed, and there it must not stand in for the model's misfit, whose size
-// has a prior (after Liu, Bayarri & Berger 2009, who keep what one part of a model lacks from being made up
-// by another).
-constexpr double beyond_typical = 9;
-
-class Likelihood {
-  public:
-    /// `packings`: so many runs at a set must come to an end.
-    Likelihood(const TrainedEmulator& trained, const ParameterSpace& space, const Observation& observation,
-               int packings, StrainMisfit strain = StrainMisfit::along)
-        : trained_(trained),
-          space_(space),
-          observation_(observation),
-          readings_(observation, trained.transforms, strain),
-          packings_(packings),
-          most_open_(beyond_typical * trained.emulator.typical_variance()) {
-        const Index m = observation.measured.size();
-        loadings_ = trained.emulator.loadings();
-        target_.resize(m);
-        large_specimen_ =
-            0.5 * (1 - std::min(1.0, observation.packing_share)) * trained.emulator.noise().centre.diagonal();
-        for (Index k = 0; k < m; ++k) {
-            const OutputTransform& transform = trained.transforms[static_cast<std::size_t>(k)];
-            target_[k] = transform.forward(observation.measured[k]);
-            if (transform.linear) large_specimen_[k] = 0;
-        }
-    }
-
-    Index parameters() const { return space_.dimension(); }
-    Index dimension() const { return parameters() + misfits(); }
-    Index misfits() const { return static_cast<Index>(readings_.misfit_priors().size()); }
-    const surrogate::Prior& misfit_prior_of(Index which) const {
-        return readings_.misfit_priors()[static_cast<std::size_t>(which)];
-    }
-    VectorXd misfits_at(const VectorXd& theta) const {
-        VectorXd out(misfits());
-        for (Index k = 0; k < out.size(); ++k) out[k] = misfit_prior_of(k).from_unit(theta[parameters() + k]);
-        return out;
-    }
-
-    /// Of the residuals [m x m], with `open` [q] the variance of each component that the emulator leaves
-    /// open.
-    MatrixXd covariance(const VectorXd& theta, const VectorXd& open) const {
-        const CurveNoise& noise = trained_.emulator.noise();
-        MatrixXd c =
-            loadings_ * open.asDiagonal() * loadings_.transpose() +
-            observation_.packing_share * readings_.of_specimens(noise.covariance(theta.head(parameters())));
-        readings_.add(misfits_at(theta), c);
-        return c;
-    }
-
-    /// Variance of each component [q] that the emulator leaves open at theta.
-    VectorXd open_at(const VectorXd& theta) const {
-        return trained_.emulator.predict_components(theta.head(parameters())).variance.cwiseMin(most_open_);
-    }
-
-    /// The same at a typical place between the runs.
-    VectorXd typical_variance() const { return trained_.emulator.typical_variance(); }
-
-    double emulator_variance(const VectorXd& open) const { return (loadings_.cwiseAbs2() * open).sum(); }
-
-    /// The emulator gives the mean of T over packings. A specimen of more grains averages the curve itself
-    /// over as many packings, whose T is larger by half the variance that has been averaged out (lognormal
-    /// scatter; a linear T stays).
-    VectorXd large_specimen(double noise_scale) const { return noise_scale * large_specimen_; }
-
-    double log_prior(const VectorXd& theta) const {
-        double sum = 0;
-        for (Index k = 0; k < parameters(); ++k) sum += space_.prior(k).log_density_unit(theta[k]);
-        for (Index k = 0; k < misfits(); ++k)
-            sum += misfit_prior_of(k).log_density_unit(theta[parameters() + k]);
-        return sum;
-    }
-
-    double log_posterior(const VectorXd& theta) const {
-        const auto at = trained_.emulator.predict_components(theta.head(parameters()));
-        return log_posterior(theta, at.mean, at.variance.cwiseMin(most_open_));
-    }
-
-    /// As if the emulator left `open` [q] at every theta: what is likely where it knows as much everywhere. A
-    /// search by it is not drawn to where the emulator knows nothing and so excludes nothing.
-    double log_representative(const VectorXd& theta, const VectorXd& open) const {
-        return log_posterior(theta, trained_.emulator.predict_component_means(theta.head(parameters())),
-                             open);
-    }
-
-    /// As it is expected to be, were the emulator's curve known. The estimate is sought by it: by the mean
-    /// curve alone a search ends where the emulator's error flatters, by the posterior where it knows
-    /// nothing.
-    double log_expected(const VectorXd& theta) const {
-        const auto at = trained_.emulator.predict_components(theta.head(parameters()));
-        return log_density(theta, trained_.emulator.offset() + loadings_ * at.mean,
-                           at.variance.cwiseMin(most_open_), observation_.packing_share, true);
-    }
-
-    /// With the mean curve [m] of `runs` direct runs at theta in place of the emulator's.
-    double log_by_runs(const VectorXd& theta, const VectorXd& mean, double runs) const {
-        const VectorXd none = VectorXd::Zero(loadings_.cols());
-        return log_density(theta, mean, none, observation_.packing_share + 1 / runs);
-    }
-
-    /// Residuals whitened by a covariance, with the priors of the parameters as further residuals.
-    void residuals(const VectorXd& x, const Eigen::LLT<MatrixXd>& factor, VectorXd& out,
-                   MatrixXd* jacobian) const {
-        const Index m = target_.size(), d = parameters();
-        MatrixXd slope;
-        const VectorXd mean = trained_.emulator.predict_mean(x, jacobian ? &slope : nullptr) +
-                              large_specimen(trained_.emulator.noise().scale(x));
-        out.resize(m + d);
-        out.head(m) = factor.matrixL().solve(target_ - mean);
-        if (jacobian) {
-            jacobian->setZero(m + d, d);
-            jacobian->topRows(m) = -factor.matrixL().solve(slope);
-        }
-        prior_residuals(space_, x, m, out, jacobian);
-    }
-
-  private:
-    double log_posterior(const VectorXd& theta, const VectorXd& components, const VectorXd& open) const {
-        return log_density(theta, trained_.emulator.offset() + loadings_ * components, open,
-                           observation_.packing_share);
-    }
-
-    /// For a model whose mean curve [m] is known but for `open` [q], and differs from the measured specimens
-    /// by `packings` times the variance of a run.
-    /// `expected`: see log_expected.
-    double log_density(const VectorXd& theta, const VectorXd& mean, const VectorXd& open, double packings,
-                       bool expected = false) const {
-        const CurveNoise& noise = trained_.emulator.noise();
-        const double scale = noise.scale(theta.head(parameters()));
-        const VectorXd residuals = target_ - mean - large_specimen(scale);
-        const VectorXd misfits = misfits_at(theta);
-        ResidualFactor factor(loadings_, open, residuals);
-        for (const Stretch& at : readings_.specimens()) {
-            MatrixXd block = packings * scale * noise.centre.block(at.first, at.first, at.count, at.count);
-            readings_.add(misfits, block, at.first);
-            if (!factor.add(at, block)) return -INFINITY;
-        }
-        const std::optional<double> density = expected ? factor.expected_log_density() : factor.log_density();
-        if (!density) return -INFINITY;
-        return *density + log_prior(theta) +
-               packings_ * trained_.feasibility.log_success(theta.head(parameters()));
-    }
-
-    const TrainedEmulator& trained_;
-    const ParameterSpace& space_;
-    const Observation& observation_;
-    ReadingNoise readings_;
-    int packings_;
-    VectorXd most_open_;                // [q]
-    MatrixXd loadings_;                 // [m x q]
-    VectorXd target_, large_specimen_;  // [m] at noise of scale 1
-};
 
 /// Refines the estimate by least squares with the covariance held at it; keeps whichever is expected to be
 /// more probable.
@@ -238,6 +82,16 @@ optimizers::Posterior plausible_posterior(const Likelihood& likelihood, const Se
     };
     return optimizers::sample_posterior(density, optimizers::unit_cube(likelihood.dimension()),
                                         sampling_options(settings, 14));
+}
+
+/// See Fit::near. It serves to draw a few runs from, which takes no great accuracy.
+optimizers::Posterior posterior_near(const Likelihood& nearest, const optimizers::Bounds& box,
+                                     const Settings& settings) {
+    optimizers::PosteriorOptions options = sampling_options(settings, 15);
+    options.wanted_ess = 200;
+    options.max_evaluations = 60000;
+    return optimizers::sample_posterior(
+        [&](const VectorXd& theta, VectorXd*) { return nearest.log_expected(theta); }, box, options);
 }
 
 /// The coordinates x [d] with the misfits' that maximise a log density, and its value there.
@@ -343,14 +197,12 @@ Fit fit(const TrainedEmulator& trained, const ParameterSpace& space, const Obser
     VectorXd theta = global.x;
     double value = -global.value;
     refine(nearest, theta, value, out.local);
+    out.near = posterior_near(nearest, box, settings);
     // The chains may have met a better point than the search did.
-    for (Index k = 0; k < looks.rows(); ++k) {
-        VectorXd other = looks.row(k).transpose();
-        double there = nearest.log_expected(other);
-        if (there <= value) continue;
-        refine(nearest, other, there, out.local);
-        theta = other;
-        value = there;
+    Index densest = 0;
+    if (double there = out.near.log_density.maxCoeff(&densest); there > value) {
+        theta = out.near.draws.row(densest).transpose();
+        refine(nearest, theta, there, out.local);
     }
     // The expectation makes what is not known a misfit of the model's.
     const VectorXd known = VectorXd::Zero(trained.emulator.components());

@@ -50,6 +50,8 @@ struct Fit {
     // The posterior were the emulator as sure everywhere as it typically is between its runs: not drawn to
     // where it knows nothing and so excludes nothing.
     optimizers::Posterior plausible;
+    // By the density that the estimate maximises: where the curves come near, by what the emulator knows.
+    optimizers::Posterior near;
     Eigen::MatrixXd covariance;         // [m x m] of the residuals at the estimate, transformed scale
     double emulator_share = 0;          // of the residuals' variance, mean over the posterior's draws
     optimizers::Summary global, local;  // of the search for the estimate

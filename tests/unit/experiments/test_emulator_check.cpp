@@ -1,9 +1,9 @@
 // What direct runs say of an emulator, against emulators whose error is known.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <random>
-#include <utility>
 
 #include "experiments/cross_test.hpp"
 #include "experiments/emulator_check.hpp"
@@ -132,6 +132,7 @@ Fit posterior_about_a_half(double first, double emulator_share) {
     for (Index k = 0; k <= 200; ++k)
         out.posterior.draws.row(k) << 0.4 + 0.001 * static_cast<double>(k), 0.005 * static_cast<double>(k), 1;
     out.plausible.draws = out.posterior.draws.array() + 10;
+    out.near.draws = out.posterior.draws.array() + 20;
     out.emulator_share = emulator_share;
     return out;
 }
@@ -162,19 +163,21 @@ TEST(EmulatorCheck, SetsFarBehindTheForemostAreNotInQuestion) {
     EXPECT_EQ(in_question({-INFINITY}), Places({0}));
 }
 
-/// How many of the sets to add are draws of the posterior and how many plausible ones; -1 where one is
-/// neither.
-std::pair<int, int> drawn(const Fit& fit, int whole, bool follows) {
+/// How many of the sets to add are draws of the posterior, how many are near the estimate and how many
+/// plausible.
+std::array<int, 3> drawn(const Fit& fit, int whole, bool follows) {
     const MatrixXd sets = sets_to_add(fit, whole, follows, 3, 100);
-    int posterior = 0, plausible = 0;
+    std::array<int, 3> out{};
     for (Index k = 0; k < sets.rows(); ++k) {
         const auto is_in = [&](const MatrixXd& draws) {
             return (draws.leftCols(2).rowwise() - sets.row(k)).rowwise().squaredNorm().minCoeff() == 0;
         };
-        posterior += is_in(fit.posterior.draws);
-        plausible += is_in(fit.plausible.draws);
+        out[0] += is_in(fit.posterior.draws);
+        out[1] += is_in(fit.near.draws);
+        out[2] += is_in(fit.plausible.draws);
     }
-    return posterior + plausible == sets.rows() ? std::pair{posterior, plausible} : std::pair{-1, -1};
+    EXPECT_EQ(out[0] + out[1] + out[2], sets.rows());
+    return out;
 }
 
 TEST(EmulatorCheck, IsSureWhereThePosteriorIsAboutTheEstimateAndNotTheEmulators) {
@@ -189,14 +192,16 @@ TEST(EmulatorCheck, IsSureWhereThePosteriorIsAboutTheEstimateAndNotTheEmulators)
 TEST(EmulatorCheck, RunsAreAddedByHowMuchOfThePosteriorIsIgnorance) {
     const Fit sure = posterior_about_a_half(0.5, 0.1), unsure = posterior_about_a_half(0.5, 1),
               astray = posterior_about_a_half(0.7, 0);
+    using Numbers = std::array<int, 3>;
     for (const bool follows : {false, true}) {
-        EXPECT_EQ(drawn(sure, 24, follows), (std::pair{24, 0}));
-        EXPECT_EQ(drawn(unsure, 24, follows), (std::pair{12, 12}));
-        EXPECT_EQ(drawn(unsure, 1, follows), (std::pair{1, 0}));
-        EXPECT_EQ(drawn(astray, 1, follows), (std::pair{1, 0}));
+        EXPECT_EQ(drawn(sure, 24, follows), Numbers({24, 0, 0}));
+        EXPECT_EQ(drawn(unsure, 24, follows), Numbers({8, 8, 8}));
+        EXPECT_EQ(drawn(unsure, 2, follows), Numbers({1, 1, 0}));
+        EXPECT_EQ(drawn(unsure, 1, follows), Numbers({1, 0, 0}));
+        EXPECT_EQ(drawn(astray, 1, follows), Numbers({1, 0, 0}));
     }
-    EXPECT_EQ(drawn(astray, 24, false), (std::pair{6, 18}));
-    EXPECT_EQ(drawn(astray, 24, true), (std::pair{2, 0}));
+    EXPECT_EQ(drawn(astray, 24, false), Numbers({6, 9, 9}));
+    EXPECT_EQ(drawn(astray, 24, true), Numbers({2, 0, 0}));
     // Others at every place, the same at the same.
     EXPECT_EQ(sets_to_add(sure, 5, false, 3, 101).topRows(4),
               sets_to_add(sure, 5, false, 3, 100).bottomRows(4));

@@ -116,6 +116,10 @@ TEST(Fit, IsNotDrawnToWhereTheEmulatorKnowsNothing) {
     EXPECT_GT(found.misfits[0], 1e-3);
 }
 
+double share_beyond_the_runs(const optimizers::Posterior& p) {
+    return static_cast<double>((p.draws.col(0).array() > 0.45).count()) / static_cast<double>(p.draws.rows());
+}
+
 TEST(Fit, IgnoranceCountsAgainstAnEstimate) {
     // Curves that the emulator's mean repeats beyond the runs. Measured is its mean there to the digit, so
     // that a search by the mean curve ends where nothing is known.
@@ -137,7 +141,11 @@ TEST(Fit, IgnoranceCountsAgainstAnEstimate) {
                 trained.transforms[static_cast<std::size_t>(k)].inverse(flattering[k]);
         ASSERT_GT(plausible_window(trained, given.space, given.observation, given.settings).upper[0],
                   unknown);
-        EXPECT_LT(fit(trained, given.space, given.observation, given.settings).estimate[0], 0.45);
+        const Fit found = fit(trained, given.space, given.observation, given.settings);
+        EXPECT_LT(found.estimate[0], 0.45);
+        // Nor are runs near the estimate made there as often as those of the posterior.
+        EXPECT_GT(share_beyond_the_runs(found.posterior), 0.2);
+        EXPECT_LT(share_beyond_the_runs(found.near), 0.8 * share_beyond_the_runs(found.posterior));
     }
 }
 
