@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace loam::experiments {
 
@@ -15,16 +16,31 @@ namespace {
 // start says little of the end.
 constexpr double correlation_length = 0.25;
 
-/// See StrainMisfit::nearest.
-MatrixXd of_rebound(const ObservedCurve& curve) {
+// Of a reading that hardly any strain leads to, over that of a reading of loading.
+constexpr double most_variance = 100;
+constexpr double least_strain = 1e-12;
+
+/// Strain gone through per reading in readings `from` .. `to`, beginning at the strain `at`.
+double strain_per_reading(const VectorXd& strain, Index from, Index to, double at) {
+    double gone = 0;
+    for (Index k = from; k < to; ++k) gone += std::abs(strain[k] - std::exchange(at, strain[k]));
+    return gone / static_cast<double>(to - from);
+}
+
+/// See StrainMisfit::nearest; `strain` [count] of the curve.
+MatrixXd of_rebound(const ObservedCurve& curve, const VectorXd& strain) {
     MatrixXd out = MatrixXd::Identity(curve.count, curve.count);
+    const Index loading = curve.phases.size() > 1 ? curve.phases[1] : curve.count;
+    const double loaded = strain_per_reading(strain, 0, loading, 0);
     for (std::size_t phase = 1; phase < curve.phases.size(); ++phase) {
         const Index end = curve.phases[phase] - 1;  // of the phase before
         const Index next = phase + 1 < curve.phases.size() ? curve.phases[phase + 1] : curve.count;
+        const double gone = strain_per_reading(strain, end + 1, next, strain[end]);
+        const double variance = std::clamp(loaded / std::max(gone, least_strain), 1.0, most_variance);
         for (Index k = end + 1; k < next; ++k) {
             out.row(k).head(k) = out.row(end).head(k);
             out.row(k).segment(end, k - end).setConstant(out(end, end));
-            out(k, k) = out(end, end) + 1;
+            out(k, k) = out(end, end) + variance;
             out.col(k).head(k) = out.row(k).head(k).transpose();
         }
     }
@@ -33,8 +49,9 @@ MatrixXd of_rebound(const ObservedCurve& curve) {
 
 MatrixXd correlation(const ObservedCurve& curve, const VectorXd& measured, StrainMisfit strain) {
     const bool is_strain = !curve.phases.empty();
-    if (is_strain && strain == StrainMisfit::nearest) return of_rebound(curve);
-    const VectorXd along = is_strain ? places_along(measured.segment(curve.first, curve.count)) : curve.along;
+    const VectorXd own = measured.segment(curve.first, curve.count);
+    if (is_strain && strain == StrainMisfit::nearest) return of_rebound(curve, own);
+    const VectorXd along = is_strain ? places_along(own) : curve.along;
     const Index n = along.size();
     MatrixXd out(n, n);
     for (Index j = 0; j < n; ++j)

@@ -73,6 +73,7 @@ TEST(Observation, TheMisfitOfStrainsIsCorrelatedAlongThemselves) {
 TEST(Observation, ReboundIsComparedFromWhereItBegins) {
     // Independent in loading; from there on the sum of the error at the end of the phase before and one anew.
     Observation strains = even_curve(6);
+    strains.measured << 0.1, 0.2, 0.1, 0.0, 0.1, 0.2;
     strains.curves[0].along.resize(0);
     strains.curves[0].phases = {0, 2, 4};
     const auto covariance = [&](double misfit) {
@@ -96,6 +97,28 @@ TEST(Observation, ReboundIsComparedFromWhereItBegins) {
             EXPECT_NEAR(misfit(i, j) / (sd[i] * sd[j]),
                         (sum * sum.transpose())(i, j) / (expected_sd[i] * expected_sd[j]), 1e-9);
     EXPECT_GT(misfit(0, 0), 0);
+}
+
+TEST(Observation, ReboundCountsByTheStrainItGoesThrough) {
+    // What readings of unloading may differ by, since it began, over what one of loading may: in variance the
+    // strain that leads to a reading of loading over that to one of unloading, and never less than that.
+    const auto of_unloading = [](const VectorXd& strain) {
+        Observation o = even_curve(5);
+        o.measured = strain;
+        o.curves[0].along.resize(0);
+        o.curves[0].phases = {0, 3};
+        MatrixXd some = MatrixXd::Zero(5, 5), none = some;
+        const ReadingNoise noise(o, transforms_of(o), StrainMisfit::nearest);
+        noise.add(VectorXd::Constant(1, 0.01), some);
+        noise.add(VectorXd::Zero(1), none);
+        const MatrixXd c = some - none;
+        EXPECT_NEAR(c(4, 3), c(2, 2), 1e-12);
+        EXPECT_NEAR(c(4, 4), c(3, 3), 1e-12);
+        return (c(3, 3) - c(2, 2)) / c(0, 0);
+    };
+    EXPECT_NEAR(of_unloading(VectorXd{{0.01, 0.04, 0.09, 0.087, 0.081}}), 0.03 / 0.0045, 1e-6);
+    EXPECT_NEAR(of_unloading(VectorXd{{0.01, 0.02, 0.03, 0.02, 0.00}}), 1, 1e-6);
+    EXPECT_NEAR(of_unloading(VectorXd{{0.01, 0.02, 0.03, 0.03, 0.03}}), 100, 1e-6);
 }
 
 TEST(Observation, SpecimensShareNoPackingNoise) {
