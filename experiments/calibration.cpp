@@ -44,7 +44,7 @@ TriedSet tried(const Calibration& c, int round) {
     return {c.fit.estimate, curves.colwise().mean().transpose(), static_cast<double>(curves.rows()), round};
 }
 
-/// Runs drawn where they are worth most: distinct draws, evenly over the chains.
+/// Runs where they are worth most (sets_to_add).
 std::vector<RunSpec> added_runs(const Campaign& campaign, const Fit& fit, std::uint64_t round, bool follows) {
     const Settings& settings = campaign.settings();
     const std::uint64_t first = round * round_size;

@@ -84,7 +84,8 @@ optimizers::Posterior plausible_posterior(const Likelihood& likelihood, const Se
                                         sampling_options(settings, 14));
 }
 
-/// See Fit::near. It serves to draw a few runs from, which takes no great accuracy.
+/// See Fit::near. It serves to draw a few runs from and to look once more for the estimate, which takes no
+/// great accuracy.
 optimizers::Posterior posterior_near(const Likelihood& nearest, const optimizers::Bounds& box,
                                      const Settings& settings) {
     optimizers::PosteriorOptions options = sampling_options(settings, 15);

@@ -18,7 +18,7 @@ constexpr double correlation_length = 0.25;
 
 // Of a reading that hardly any strain leads to, over that of a reading of loading.
 constexpr double most_variance = 100;
-constexpr double least_strain = 1e-12;
+constexpr double least_strain = 1e-12;  // a reading, so that nothing is divided by nothing
 
 /// Strain gone through per reading in readings `from` .. `to`, beginning at the strain `at`.
 double strain_per_reading(const VectorXd& strain, Index from, Index to, double at) {

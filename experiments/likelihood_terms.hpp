@@ -12,8 +12,9 @@ namespace loam::experiments {
 /// How the misfit of strains is correlated. `along`: along the strain gone through. `nearest`: not at all, so
 /// that a set is the more probable the nearer its strains are, but that unloading and reloading are compared
 /// by the strain since they began, as they else would count the error at the end of loading once more a
-/// reading, and count by the strain that they go through: four readings of a small rebound are not half as
-/// much as eight of the curve before them.
+/// reading. Where less strain leads to a reading of theirs than to one of loading, its variance is larger in
+/// proportion, up to a hundredfold: four readings of a small rebound are not half as much as eight of the
+/// curve before it.
 enum class StrainMisfit { along, nearest };
 
 /// What measurement and misfit add to the covariance of an observation's residuals, and what packing noise

@@ -100,8 +100,8 @@ TEST(Observation, ReboundIsComparedFromWhereItBegins) {
 }
 
 TEST(Observation, ReboundCountsByTheStrainItGoesThrough) {
-    // What readings of unloading may differ by, since it began, over what one of loading may: in variance the
-    // strain that leads to a reading of loading over that to one of unloading, and never less than that.
+    // What a reading of unloading may differ by, since that began, over what one of loading may: in variance
+    // the strain that leads to a reading of loading over that to one of unloading, but 1 to 100.
     const auto of_unloading = [](const VectorXd& strain) {
         Observation o = even_curve(5);
         o.measured = strain;
@@ -119,6 +119,21 @@ TEST(Observation, ReboundCountsByTheStrainItGoesThrough) {
     EXPECT_NEAR(of_unloading(VectorXd{{0.01, 0.04, 0.09, 0.087, 0.081}}), 0.03 / 0.0045, 1e-6);
     EXPECT_NEAR(of_unloading(VectorXd{{0.01, 0.02, 0.03, 0.02, 0.00}}), 1, 1e-6);
     EXPECT_NEAR(of_unloading(VectorXd{{0.01, 0.02, 0.03, 0.03, 0.03}}), 100, 1e-6);
+}
+
+TEST(Observation, EveryPhaseCountsByItsOwnStrain) {
+    Observation o = even_curve(6);
+    o.measured = VectorXd{{0.03, 0.06, 0.055, 0.05, 0.052, 0.054}};
+    o.curves[0].along.resize(0);
+    o.curves[0].phases = {0, 2, 4};
+    MatrixXd some = MatrixXd::Zero(6, 6), none = some;
+    const ReadingNoise noise(o, transforms_of(o), StrainMisfit::nearest);
+    noise.add(VectorXd::Constant(1, 0.01), some);
+    noise.add(VectorXd::Zero(1), none);
+    const MatrixXd c = (some - none) / (some - none)(0, 0);
+    EXPECT_NEAR(c(3, 3) - c(1, 1), 0.03 / 0.005, 1e-6);
+    EXPECT_NEAR(c(4, 4) - c(3, 3), 0.03 / 0.002, 1e-6);
+    EXPECT_NEAR(c(5, 5) - c(3, 3), 0.03 / 0.002, 1e-6);
 }
 
 TEST(Observation, SpecimensShareNoPackingNoise) {
