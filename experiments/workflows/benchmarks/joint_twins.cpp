@@ -26,8 +26,9 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr Index joint_soils = 24;
-constexpr int joint_twin_enlargement = 2, first_runs = 160, runs_per_soil = 6, packing_pool = 128;
+// Of 24 soils, the share that sound 90 % intervals cover leaves 80 to 98 % one time in six; of 48 in forty.
+constexpr Index joint_soils = 48;
+constexpr int joint_twin_enlargement = 2, first_runs = 160, runs_per_soil = 3, packing_pool = 128;
 constexpr std::uint64_t likely_from = 2'000'000, spread_from = 3'000'000;
 constexpr std::uint64_t training_packings = 1;  // of run_seed
 
