@@ -56,8 +56,39 @@ std::string_view next_line(std::string_view& text) {
     return line;
 }
 
-bool is_comment(std::string_view line) {
-    return trimmed(line).starts_with('#');
+/// A tab may be the separator, so that it is no white space here.
+std::string_view without_spaces(std::string_view text) {
+    const std::size_t first = std::min(text.find_first_not_of(' '), text.size());
+    return text.substr(first, text.find_last_not_of(' ') + 1 - first);
+}
+
+/// Columns that a header names: empty cells at its end are none.
+std::size_t count_names(const CsvRow& header) {
+    std::size_t count = header.cells.size();
+    while (count > 0 && trimmed(header.cells[count - 1]).empty()) --count;
+    return count;
+}
+
+/// Cells of a line; empty ones beyond `columns` do not count.
+std::size_t count_cells(std::string_view line, char separator, std::size_t columns) {
+    std::size_t cells = 1;
+    bool quoted = false;
+    for (const char c : line) {
+        if (c == '"') quoted = !quoted;
+        if (c == separator && !quoted) ++cells;
+    }
+    for (line = without_spaces(line); cells > columns && line.ends_with(separator); --cells)
+        line = without_spaces(line.substr(0, line.size() - 1));
+    return cells;
+}
+
+/// Above the header every line that starts with '#' is a comment. Below it, one with a cell for each column
+/// is a row: spreadsheets write "#DIV/0!" and "#N/A" into cells, and samples are called "#1".
+bool is_comment(std::string_view line, char separator, const std::vector<CsvRow>& rows) {
+    if (!trimmed(line).starts_with('#')) return false;
+    if (rows.empty()) return true;
+    const std::size_t columns = count_names(rows.front());
+    return count_cells(line, separator, columns) != columns;
 }
 
 /// Feeds libcsv line by line, which is how each row gets its line in the file.
@@ -66,15 +97,17 @@ std::optional<std::vector<CsvRow>> split_rows(std::string_view text, const std::
     csv_parser parser;
     if (csv_init(&parser, CSV_STRICT | CSV_STRICT_FINI) != 0) throw std::bad_alloc();
     const std::unique_ptr<csv_parser, decltype(&csv_free)> owner(&parser, csv_free);
-    bool separator_known = false;
+    char separator = ',';
     RowsRead rows;
     for (int line_number = 1; !text.empty(); ++line_number) {
         const std::string_view line = next_line(text);
         const bool row_begins = parser.pstate == 0;  // else a quoted cell goes on
         if (row_begins) {
-            if (is_comment(line) || trimmed(line).empty()) continue;
-            if (!separator_known) csv_set_delim(&parser, static_cast<unsigned char>(separator_of(line)));
-            separator_known = true;
+            if (is_comment(line, separator, rows.rows) || trimmed(line).empty()) continue;
+            if (rows.rows.empty()) {  // the header
+                separator = separator_of(line);
+                csv_set_delim(&parser, static_cast<unsigned char>(separator));
+            }
             rows.row.line = line_number;
         }
         std::string fed(line);
@@ -164,6 +197,7 @@ std::optional<CsvTable> read_csv(const std::filesystem::path& path, Faults& faul
                       .remedy = "give a row of column names and a row for each reading"});
         return std::nullopt;
     }
+    rows->front().cells.resize(count_names(rows->front()));
     CsvTable table{.file = file,
                    .header_line = rows->front().line,
                    .header = std::move(rows->front().cells),
@@ -171,7 +205,6 @@ std::optional<CsvTable> read_csv(const std::filesystem::path& path, Faults& faul
     rows->erase(rows->begin());
     table.rows = std::move(*rows);
     for (std::string& name : table.header) name = std::string(trimmed(name));
-    while (!table.header.empty() && table.header.back().empty()) table.header.pop_back();
     if (!header_is_sound(table, faults) || !rows_fit(table, faults)) return std::nullopt;
     return table;
 }

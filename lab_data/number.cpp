@@ -46,8 +46,9 @@ std::optional<double> parse_number(std::string_view text) {
 std::string number_remedy(std::string_view text) {
     text = trimmed(text);
     if (is_missing_mark(text)) return "give the value, or leave the whole row out";
-    if (text.starts_with('#'))
+    if (text.size() > 1 && text[0] == '#' && text[1] >= 'A' && text[1] <= 'Z')
         return "the spreadsheet could not compute this cell: correct it there and export again";
+    if (text.starts_with('#')) return "write a number, or put the line above the header if it is a comment";
     if (text.size() > 40) return "write a number such as 0.0125";
     const std::string minus_sign =
         replaced(text, "\xe2\x88\x92", "-");  // U+2212, as typesetting programs write it

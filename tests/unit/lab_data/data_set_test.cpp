@@ -81,6 +81,17 @@ TEST(ReadDataSet, ReturnsAnUnreadableSampleWithItsReason) {
     EXPECT_EQ(set.rows[1].covariates.size(), 4u);
 }
 
+TEST(ReadDataSet, TakesNamesThatBeginWithAHash) {
+    Files files = sound_data_set();
+    files["samples.csv"] =
+        "# exported\nsample,file\n#1,curves/a.csv\n# a remark\n\"#2\",curves/b.csv\nC,curves/c.csv\n";
+    const DataSet set = read(files);
+    ASSERT_EQ(set.rows.size(), 3u);
+    EXPECT_EQ(set.rows[0].name, "#1");
+    EXPECT_EQ(set.rows[1].name, "#2");
+    EXPECT_EQ(set.rows[1].line, 5);
+}
+
 TEST(ReadDataSet, RefusesAFileOutsideOfTheFolder) {
     Files files = sound_data_set();
     files["samples.csv"] = replaced(files["samples.csv"], "curves/a.csv", "../a.csv");

@@ -89,6 +89,7 @@ TEST(NumberRemedy, SaysWhatToWrite) {
     has("5%", "_percent");
     has("5 kPa", "write 5");
     has("#DIV/0!", "spreadsheet");
+    has("# stage 2", "above the header if it is a comment");
     has("n/a", "leave the whole row out");
     has("abc", "0.0125");
     has("0xB4", "0.0125");
