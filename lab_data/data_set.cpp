@@ -10,6 +10,7 @@
 #include "lab_data/number.hpp"
 #include "lab_data/test_settings.hpp"
 #include "lab_data/text_file.hpp"
+#include "lab_data/units.hpp"
 
 namespace loam::lab_data {
 namespace fs = std::filesystem;
@@ -77,14 +78,13 @@ void check_structure(const Rows& rows, Faults& faults) {
     const std::vector<std::string_view> header(rows.table.header.begin(), rows.table.header.end());
     for (const std::string_view name : needed) {
         if (rows.column(name)) continue;
-        const auto near = nearest_name(name, header);
-        faults.error(
-            {.file = rows.table.file,
-             .line = rows.table.header_line,
-             .column = std::string(name),
-             .constraint = "is missing",
-             .remedy = near ? "did you mean column '" + *near + "'? Name it '" + std::string(name) + "'"
-                            : "add the column, with a value for each sample"});
+        const auto near = nearest_quantity(name, header);
+        faults.error({.file = rows.table.file,
+                      .line = rows.table.header_line,
+                      .column = std::string(name),
+                      .constraint = "is missing",
+                      .remedy = near ? "did you mean column '" + *near + "'? If so, " + renaming(*near, name)
+                                     : "add the column, with a value for each sample"});
     }
     for (const std::string_view name : {"sample", "file"}) {
         const auto index = rows.column(name);
@@ -184,10 +184,10 @@ void warn_of_near_setting(const Rows& rows, const std::string& name, Faults& fau
     std::vector<std::string_view> valid{"measurement_sd"};
     for (const Setting& setting : settings())
         if (setting.applies_to(rows.set.kind)) valid.push_back(setting.name);
-    const auto near = nearest_name(name, valid);
+    const auto near = nearest_quantity(name, valid);
     if (near && *near != name && !rows.column(*near))
-        faults.warn(rows.table.file,
-                    "column '" + name + "' is taken as a covariate; did you mean '" + *near + "'?");
+        faults.warn(rows.table.file, "column '" + name + "' is taken as a covariate; did you mean '" + *near +
+                                         "'? If so, " + renaming(name, *near));
 }
 
 void read_rows(const Rows& rows, DataSet& set, Faults& faults) {

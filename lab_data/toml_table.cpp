@@ -6,9 +6,9 @@
 #include <cmath>
 #include <sstream>
 
-#include "lab_data/nearest_name.hpp"
 #include "lab_data/number.hpp"
 #include "lab_data/text_file.hpp"
+#include "lab_data/units.hpp"
 
 namespace loam::lab_data {
 namespace {
@@ -217,7 +217,7 @@ void TomlTable::allow_only(std::span<const std::string_view> valid) const {
                        .line = static_cast<int>(key.source().begin.line),
                        .column = std::string(key.str()),
                        .constraint = "is not known here",
-                       .remedy = suggest_name(key.str(), valid)});
+                       .remedy = suggest_key(key.str(), valid)});
     }
 }
 

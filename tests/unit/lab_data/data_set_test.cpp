@@ -128,6 +128,21 @@ TEST(ReadDataSet, WarnsOfAColumnThatIsNearlyASetting) {
     EXPECT_NE(set.warnings[0].find("did you mean 'initial_void_ratio'?"), std::string::npos);
 }
 
+TEST(ReadDataSet, AsksToConvertASettingOfAnotherUnit) {
+    Files files = sound_data_set();
+    files["dataset.toml"] = "name = \"t\"\nkind = \"triaxial\"\nsource = \"s\"\nlicence = \"l\"\n";
+    files["samples.csv"] = "sample,file,cell_pressure_MPa\nA,curves/a.csv,0.05\n";
+    EXPECT_EQ(failure(files).remedy(),
+              "did you mean column 'cell_pressure_MPa'? If so, convert it to kPa and name it "
+              "'cell_pressure_kPa'");
+    files = sound_data_set();
+    files["samples.csv"] = replaced(files["samples.csv"], "depth_cm", "seating_stress_Pa");
+    files["dataset.toml"] = replaced(files["dataset.toml"], "seating_stress_kPa = 2\n", "");
+    const DataSet set = read(files);
+    ASSERT_EQ(set.warnings.size(), 1u);
+    EXPECT_NE(set.warnings[0].find("convert it to kPa and name it 'seating_stress_kPa'"), std::string::npos);
+}
+
 TEST(ReadDataSet, ThrowsForItsOwnFaults) {
     struct Spoilt {
         const char *file, *from, *to;
