@@ -18,18 +18,6 @@ namespace {
 constexpr std::size_t largest_csv = 16u << 20;
 constexpr std::size_t most_columns = 1000;  // each is compared with every known name
 
-char separator_of(std::string_view header) {
-    constexpr std::array<char, 3> separators{',', ';', '\t'};
-    std::array<int, 3> counts{};
-    bool quoted = false;
-    for (const char c : header) {
-        if (c == '"') quoted = !quoted;
-        for (std::size_t i = 0; i < separators.size() && !quoted; ++i) counts[i] += c == separators[i];
-    }
-    return separators[static_cast<std::size_t>(std::max_element(counts.begin(), counts.end()) -
-                                               counts.begin())];
-}
-
 /// What libcsv's callbacks fill: rows, and the line at which the row in work started.
 struct RowsRead {
     std::vector<CsvRow> rows;
@@ -54,6 +42,22 @@ std::string_view next_line(std::string_view& text) {
     text.remove_prefix(end);
     text.remove_prefix(text.starts_with("\r\n") ? 2 : std::min<std::size_t>(1, text.size()));
     return line;
+}
+
+/// The separator that the header has most of. A line without any is a title, and the next ones decide.
+char separator_of(std::string_view header, std::string_view below) {
+    constexpr std::array<char, 3> separators{',', ';', '\t'};
+    for (std::string_view line = header;; line = next_line(below)) {
+        std::array<int, 3> counts{};
+        bool quoted = false;
+        for (const char c : line) {
+            if (c == '"') quoted = !quoted;
+            for (std::size_t i = 0; i < separators.size() && !quoted; ++i) counts[i] += c == separators[i];
+        }
+        const auto most = std::ranges::max_element(counts);
+        if (*most > 0) return separators[static_cast<std::size_t>(most - counts.begin())];
+        if (below.empty()) return separators.front();
+    }
 }
 
 /// A tab may be the separator, so that it is no white space here.
@@ -105,7 +109,7 @@ std::optional<std::vector<CsvRow>> split_rows(std::string_view text, const std::
         if (row_begins) {
             if (is_comment(line, separator, rows.rows) || trimmed(line).empty()) continue;
             if (rows.rows.empty()) {  // the header
-                separator = separator_of(line);
+                separator = separator_of(line, text);
                 csv_set_delim(&parser, static_cast<unsigned char>(separator));
             }
             rows.row.line = line_number;
@@ -163,6 +167,34 @@ bool header_is_sound(const CsvTable& table, Faults& faults) {
     return true;
 }
 
+bool has_number(const CsvRow& row) {
+    return std::ranges::any_of(row.cells, [](const auto& cell) { return parse_number(cell).has_value(); });
+}
+
+/// Whether the first lines are a title, which is shorter than the table under it: a cell alone, or a few
+/// above a row of names. Reports them.
+bool begins_with_title(const CsvTable& table, Faults& faults) {
+    const std::size_t columns = table.rows.back().cells.size(), titled = table.header.size();
+    const auto is_whole = [&](const CsvRow& row) { return row.cells.size() == columns; };
+    const auto first = std::ranges::find_if(table.rows, is_whole);
+    const auto is_title = [&](const CsvRow& row) { return count_names(row) <= titled; };
+    if (titled >= columns || !std::all_of(first, table.rows.end(), is_whole) ||
+        !std::all_of(table.rows.begin(), first, is_title))
+        return false;
+    const bool names_follow = !has_number(*first) && first + 1 != table.rows.end();
+    if (!names_follow && (titled > 1 || first != table.rows.begin())) return false;
+    faults.error(
+        {.file = table.file,
+         .line = table.header_line,
+         .value = table.header.front(),
+         .constraint =
+             "is not a row of column names, as the rows below have " + std::to_string(columns) + " cells",
+         .remedy = names_follow ? "remove the lines above the header or begin them with #"
+                                : "begin the file with a name for each column; lines above that row must be "
+                                  "removed or begin with #"});
+    return true;
+}
+
 /// Rows to the header's length: surplus empty cells go, anything else is a fault.
 bool rows_fit(CsvTable& table, Faults& faults) {
     RepeatedFault ragged(faults, table.file);
@@ -205,7 +237,8 @@ std::optional<CsvTable> read_csv(const std::filesystem::path& path, Faults& faul
     rows->erase(rows->begin());
     table.rows = std::move(*rows);
     for (std::string& name : table.header) name = std::string(trimmed(name));
-    if (!header_is_sound(table, faults) || !rows_fit(table, faults)) return std::nullopt;
+    if (begins_with_title(table, faults) || !header_is_sound(table, faults) || !rows_fit(table, faults))
+        return std::nullopt;
     return table;
 }
 
