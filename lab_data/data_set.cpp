@@ -102,27 +102,41 @@ void check_structure(const Rows& rows, Faults& faults) {
     }
 }
 
-/// A column's values: numbers if all that are there are numbers, else labels.
-std::vector<Covariate> read_covariate(const CsvTable& table, std::size_t column, Faults& faults) {
-    std::size_t present = 0, numbers = 0, odd = 0;
+/// Says so if a column of labels was probably meant as numbers: most are, or would be with a decimal point.
+void warn_of_labels(const CsvTable& table, std::size_t column, Faults& faults) {
+    std::size_t present = 0, numbers = 0;
+    std::optional<std::size_t> odd, comma;
     for (std::size_t row = 0; row < table.rows.size(); ++row) {
-        const std::string& cell = table.rows[row].cells[column];
+        std::string cell = table.rows[row].cells[column];
         if (is_missing(cell)) continue;
         ++present;
-        if (parse_number(cell))
+        if (parse_number(cell)) {
             ++numbers;
-        else
-            odd = row;
+            continue;
+        }
+        odd = row;
+        std::ranges::replace(cell, ',', '.');
+        if (parse_number(cell)) comma = row;
     }
-    if (numbers < present && 2 * numbers > present)
-        faults.warn(table.file + ":" + std::to_string(table.rows[odd].line),
-                    "column '" + table.header[column] + "' is taken as labels, because '" +
-                        table.rows[odd].cells[column] + "' is not a number");
+    if (2 * numbers <= present && !comma) return;
+    const std::size_t row = comma ? *comma : *odd;
+    const std::string& cell = table.rows[row].cells[column];
+    faults.warn(table.file + ":" + std::to_string(table.rows[row].line),
+                "column '" + table.header[column] + "' is taken as labels, because '" + cell +
+                    "' is not a number" + (comma ? "; " + number_remedy(cell) : ""));
+}
+
+/// A column's values: numbers if all that are there are numbers, else labels.
+std::vector<Covariate> read_covariate(const CsvTable& table, std::size_t column, Faults& faults) {
+    const bool numeric = std::ranges::all_of(table.rows, [&](const CsvRow& row) {
+        return is_missing(row.cells[column]) || parse_number(row.cells[column]);
+    });
+    if (!numeric) warn_of_labels(table, column, faults);
     std::vector<Covariate> covariates(table.rows.size());
     for (std::size_t row = 0; row < table.rows.size(); ++row) {
         const std::string& cell = table.rows[row].cells[column];
         if (is_missing(cell)) continue;
-        if (numbers == present)
+        if (numeric)
             covariates[row] = *parse_number(cell);
         else
             covariates[row] = cell;
@@ -169,9 +183,9 @@ DataSetRow gather_row(const Rows& rows, std::size_t row, std::vector<std::string
     read_settings(rows, row, test, faults);
     if (is_in_folder(rows.set.folder, result.file, rows.table.at(row, file_column), faults))
         read_curve(rows.set.folder / result.file, test, faults);
+    warnings.insert(warnings.end(), faults.warnings.begin(), faults.warnings.end());
     if (faults.errors.empty()) {
         result.test = std::move(test);
-        warnings.insert(warnings.end(), faults.warnings.begin(), faults.warnings.end());
     } else {
         result.test = faults.errors.front();
         result.more_faults.assign(faults.errors.begin() + 1, faults.errors.end());

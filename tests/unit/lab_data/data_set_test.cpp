@@ -120,6 +120,31 @@ TEST(ReadDataSet, WarnsOfAColumnThatIsNearlyNumbers) {
     EXPECT_NE(set.warnings[0].find("samples.csv:4: column 'depth_cm' is taken as labels"), std::string::npos);
 }
 
+TEST(ReadDataSet, WarnsOfDecimalCommasInACovariate) {
+    Files files = sound_data_set();
+    files["samples.csv"] = "sample;file;clay\nA;curves/a.csv;1,5\nB;curves/b.csv;2,5\nC;curves/c.csv;3\n";
+    const DataSet set = read(files);
+    EXPECT_EQ(std::get<std::string>(set.rows[0].covariates[0]), "1,5");
+    ASSERT_EQ(set.warnings.size(), 1u);
+    EXPECT_NE(
+        set.warnings[0].find(
+            "samples.csv:3: column 'clay' is taken as labels, because '2,5' is not a number; write 2.5"),
+        std::string::npos)
+        << set.warnings[0];
+}
+
+TEST(ReadDataSet, KeepsTheWarningsOfAnUnreadableSample) {
+    Files files = sound_data_set();
+    std::string curve = "axial_stress_kPa;axial_strain\n";
+    for (int i = 1; i <= 100; ++i) curve += std::to_string(i) + ";0,1\n";
+    files["curves/b.csv"] = curve;
+    const DataSet set = read(files);
+    EXPECT_FALSE(set.rows[1].readable());
+    ASSERT_EQ(set.warnings.size(), 1u);
+    EXPECT_NE(set.warnings[0].find("b.csv: column 'axial_strain': 97 more errors of the same kind"),
+              std::string::npos);
+}
+
 TEST(ReadDataSet, WarnsOfAColumnThatIsNearlyASetting) {
     Files files = sound_data_set();
     files["samples.csv"] = replaced(files["samples.csv"], "initial_void_ratio", "initial_voidratio");
