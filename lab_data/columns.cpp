@@ -4,6 +4,7 @@
 
 #include "lab_data/nearest_name.hpp"
 #include "lab_data/number.hpp"
+#include "lab_data/shown.hpp"
 
 namespace loam::lab_data {
 namespace {
@@ -53,7 +54,7 @@ struct Meant {
     std::string naming() const {
         if (const auto right = name()) return "Name it '" + *right + "'";
         if (!unit.empty())
-            return "Its unit '" + unit + "' cannot be read: convert it and name it " +
+            return "Its unit '" + shown(unit) + "' cannot be read: convert it and name it " +
                    names_with_units(*quantity);
         if (quantity->dimension == Dimension::ratio)
             return "Name it '" + std::string(quantity->name) + "' if it is a ratio, '" +
@@ -87,7 +88,7 @@ bool has_wrong_unit(std::string_view name, const Quantity& quantity, Fault& faul
         const bool known = std::ranges::find(known_units(), rest, &Unit::suffix) != known_units().end();
         if (!known && !quantity.required && quantity.instead_of.empty() && !is_meant_as_unit(rest))
             return false;
-        fault.constraint = "has the unit '" + std::string(rest) + "', which " +
+        fault.constraint = "has the unit '" + shown(rest) + "', which " +
                            (known ? "does not fit the quantity" : "is not known");
         if (const Unit* spelt = spelt_unit(rest, quantity.dimension)) {
             fault.remedy = "did you mean '" + joined(quantity.name, spelt->suffix) + "'?";
@@ -174,7 +175,7 @@ struct Assignment {
         Fault fault = at_header(quantity.name);
         fault.constraint = "is missing";
         if (const auto meant = take_meant(quantity)) {
-            fault.remedy = "did you mean column '" + meant->column + "'? " + meant->naming();
+            fault.remedy = "did you mean column '" + shown(meant->column) + "'? " + meant->naming();
         } else {
             fault.remedy = "add it as " + names_with_units(quantity);
             for (const Quantity& other : quantities)
@@ -189,7 +190,7 @@ struct Assignment {
         const auto meant = take_meant(quantity);
         if (!meant) return;
         const auto right = meant->name();
-        faults.warn(table.file, "column '" + meant->column + "' is ignored; did you mean '" +
+        faults.warn(table.file, "column '" + shown(meant->column) + "' is ignored; did you mean '" +
                                     right.value_or(std::string(quantity.name)) + "'?" +
                                     (right ? "" : " " + meant->naming()));
     }

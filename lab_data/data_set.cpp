@@ -8,6 +8,7 @@
 #include "lab_data/gather.hpp"
 #include "lab_data/nearest_name.hpp"
 #include "lab_data/number.hpp"
+#include "lab_data/shown.hpp"
 #include "lab_data/test_settings.hpp"
 #include "lab_data/text_file.hpp"
 #include "lab_data/units.hpp"
@@ -79,12 +80,13 @@ void check_structure(const Rows& rows, Faults& faults) {
     for (const std::string_view name : needed) {
         if (rows.column(name)) continue;
         const auto near = nearest_quantity(name, header);
-        faults.error({.file = rows.table.file,
-                      .line = rows.table.header_line,
-                      .column = std::string(name),
-                      .constraint = "is missing",
-                      .remedy = near ? "did you mean column '" + *near + "'? If so, " + renaming(*near, name)
-                                     : "add the column, with a value for each sample"});
+        faults.error(
+            {.file = rows.table.file,
+             .line = rows.table.header_line,
+             .column = std::string(name),
+             .constraint = "is missing",
+             .remedy = near ? "did you mean column '" + shown(*near) + "'? If so, " + renaming(*near, name)
+                            : "add the column, with a value for each sample"});
     }
     for (const std::string_view name : {"sample", "file"}) {
         const auto index = rows.column(name);
@@ -122,7 +124,7 @@ void warn_of_labels(const CsvTable& table, std::size_t column, Faults& faults) {
     const std::size_t row = comma ? *comma : *odd;
     const std::string& cell = table.rows[row].cells[column];
     faults.warn(table.file + ":" + std::to_string(table.rows[row].line),
-                "column '" + table.header[column] + "' is taken as labels, because '" + cell +
+                "column '" + shown(table.header[column]) + "' is taken as labels, because '" + shown(cell) +
                     "' is not a number" + (comma ? "; " + number_remedy(cell) : ""));
 }
 
@@ -200,8 +202,8 @@ void warn_of_near_setting(const Rows& rows, const std::string& name, Faults& fau
         if (setting.applies_to(rows.set.kind)) valid.push_back(setting.name);
     const auto near = nearest_quantity(name, valid);
     if (near && *near != name && !rows.column(*near))
-        faults.warn(rows.table.file, "column '" + name + "' is taken as a covariate; did you mean '" + *near +
-                                         "'? If so, " + renaming(name, *near));
+        faults.warn(rows.table.file, "column '" + shown(name) + "' is taken as a covariate; did you mean '" +
+                                         *near + "'? If so, " + renaming(name, *near));
 }
 
 void read_rows(const Rows& rows, DataSet& set, Faults& faults) {

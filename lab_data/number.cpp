@@ -5,6 +5,8 @@
 #include <charconv>
 #include <cmath>
 
+#include "lab_data/shown.hpp"
+
 namespace loam::lab_data {
 namespace {
 
@@ -169,7 +171,8 @@ std::string number_remedy(std::string_view text) {
     const std::string right =
         reading ? "write " + reading->digits + reading->how : "write " + number + " alone";
     if (unit == "%") return right + ", leave out the percent sign and end the name with _percent";
-    return right + (reading ? ", alone if '" : " if '") + unit + "' is a unit, which belongs in the name";
+    return right + (reading ? ", alone if '" : " if '") + shown(unit) +
+           "' is a unit, which belongs in the name";
 }
 
 }  // namespace loam::lab_data

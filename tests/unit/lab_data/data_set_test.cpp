@@ -168,6 +168,17 @@ TEST(ReadDataSet, AsksToConvertASettingOfAnotherUnit) {
     EXPECT_NE(set.warnings[0].find("convert it to kPa and name it 'seating_stress_kPa'"), std::string::npos);
 }
 
+TEST(ReadDataSet, ShowsNamesOfCovariatesHarmlessly) {
+    Files files = sound_data_set();
+    files["samples.csv"] =
+        replaced(files["samples.csv"], "depth_cm", "\"depth\n" + std::string(5000, 'x') + "\"");
+    files["samples.csv"] = replaced(files["samples.csv"], ",10,", ",\"1,0\",");
+    const DataSet set = read(files);
+    ASSERT_EQ(set.warnings.size(), 1u);
+    EXPECT_NE(set.warnings[0].find("column 'depth\\x0axxx"), std::string::npos);
+    EXPECT_LT(set.warnings[0].size(), 400u);
+}
+
 TEST(ReadDataSet, ThrowsForItsOwnFaults) {
     struct Spoilt {
         const char *file, *from, *to;

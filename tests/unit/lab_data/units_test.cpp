@@ -118,6 +118,26 @@ TEST(ColumnNames, OfOptionalQuantitiesWarnWithTheirUnit) {
     expect(normal("normal stress (psi)"), "did you mean 'normal_stress'? Its unit 'psi' cannot be read");
 }
 
+TEST(ColumnNames, OfAnyLengthAndKindAreShownHarmlessly) {
+    const std::string million(1 << 20, 'x');
+    for (const std::string& name :
+         {"axial_stress_" + million, "axial stress (" + million + ")", "axial_stress_kPa," + million}) {
+        Files files = sound_files();
+        files["oedometer.csv"] = name + ",axial_strain\n1,2,0\n2,3,0.1\n";
+        if (!name.starts_with("axial_stress_kPa"))
+            files["oedometer.csv"] = name + ",axial_strain\n1,0\n2,0.1\n";
+        const TemporaryFolder folder;
+        write_all(folder, files);
+        const CheckReport report = check(folder.path());
+        for (const UserError& error : report.errors) EXPECT_LT(std::string(error.what()).size(), 1000u);
+        for (const std::string& warning : report.warnings) EXPECT_LT(warning.size(), 1000u);
+    }
+    const std::string all = answers("oedometer.csv", "axial_stress_kPa", "\"Axial\n stress (kPa)\"");
+    expect(all, "did you mean column 'Axial\\x0a stress (kPa)'? Name it 'axial_stress_kPa'");
+    expect(answers("shear.csv", "normal_stress_kPa", "\"Normal\nstress (kPa)\""),
+           "column 'Normal\\x0astress (kPa)' is ignored");
+}
+
 TEST(Keys, WithAnotherUnitAreToBeConverted) {
     const auto key = [](const char* from, const char* to) { return answers("sample.toml", from, to); };
     expect(key("box_length_mm = 60", "box_length_cm = 6"), "convert it to mm and name it 'box_length_mm'");
