@@ -172,17 +172,19 @@ bool has_number(const CsvRow& row) {
 }
 
 /// Whether the first lines are a title, which is shorter than the table under it: a cell alone, or a few
-/// above a row of names. Reports them.
+/// above a row of names with numbers below. Reports them.
 bool begins_with_title(const CsvTable& table, Faults& faults) {
     const std::size_t columns = table.rows.back().cells.size(), titled = table.header.size();
     const auto is_whole = [&](const CsvRow& row) { return row.cells.size() == columns; };
-    const auto first = std::ranges::find_if(table.rows, is_whole);
     const auto is_title = [&](const CsvRow& row) { return count_names(row) <= titled; };
-    if (titled >= columns || !std::all_of(first, table.rows.end(), is_whole) ||
+    const auto first = std::ranges::find_if(table.rows, is_whole);
+    if (is_title(*first) || !std::all_of(first, table.rows.end(), is_whole) ||
         !std::all_of(table.rows.begin(), first, is_title))
         return false;
     const bool names_follow = !has_number(*first) && first + 1 != table.rows.end();
-    if (!names_follow && (titled > 1 || first != table.rows.begin())) return false;
+    const bool sure = titled == 1 ? names_follow || first == table.rows.begin()
+                                  : names_follow && has_number(table.rows.back());
+    if (!sure) return false;
     faults.error(
         {.file = table.file,
          .line = table.header_line,
