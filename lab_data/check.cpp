@@ -1,8 +1,10 @@
 #include "lab_data/check.hpp"
 
 #include <algorithm>
+#include <optional>
 
 #include "lab_data/gather.hpp"
+#include "lab_data/shown.hpp"
 
 namespace loam::lab_data {
 namespace fs = std::filesystem;
@@ -42,6 +44,28 @@ void sort_by_line(std::vector<UserError>& errors) {
     }
 }
 
+/// The folder of the sample or data set that a curve lies in, which may be some folders above it.
+std::optional<fs::path> folder_around(const fs::path& file) {
+    constexpr int most_levels = 3;
+    std::error_code error;
+    fs::path folder = file.parent_path();
+    for (int level = 0; level < most_levels; ++level, folder = folder.parent_path()) {
+        const fs::path named = folder.empty() ? fs::path(".") : folder;
+        if (fs::exists(named / sample_file, error) || fs::exists(named / data_set_file, error)) return named;
+        if (folder.empty()) break;
+    }
+    return std::nullopt;
+}
+
+/// A table is nothing by itself: what its numbers mean stands in another file.
+UserError is_table(const fs::path& path) {
+    const auto folder = folder_around(path);
+    return UserError({.file = path.string(),
+                      .constraint = "is a table, which is checked with the sample or data set that names it",
+                      .remedy = folder ? "name the folder '" + shown(folder->string()) + "'"
+                                       : "name the folder that holds its sample.toml or dataset.toml"});
+}
+
 }  // namespace
 
 PathKind kind_of(const fs::path& path) {
@@ -50,10 +74,12 @@ PathKind kind_of(const fs::path& path) {
     if (status.type() == fs::file_type::regular) {
         if (path.filename() == sample_file) return PathKind::sample;
         if (path.filename() == data_set_file) return PathKind::data_set;
+        if (path.extension() == ".csv" || path.extension() == ".CSV") throw is_table(path);
         return PathKind::other_file;
     }
     Faults faults;
-    if (!locate(path, sample_file, faults)) throw faults.errors.front();
+    if (status.type() != fs::file_type::directory && !locate(path, sample_file, faults))
+        throw faults.errors.front();
     const bool sample = fs::exists(path / sample_file, error),
                data_set = fs::exists(path / data_set_file, error);
     if (sample && !data_set) return PathKind::sample;

@@ -10,10 +10,9 @@
 #include <vector>
 
 #include "lab_data/csv_table.hpp"
+#include "lab_data/units.hpp"
 
 namespace loam::lab_data {
-
-enum class Dimension { stress, length, ratio, label };
 
 /// A quantity that a table may hold.
 struct Quantity {
@@ -21,16 +20,6 @@ struct Quantity {
     Dimension dimension;
     bool required;
     std::string_view instead_of = {};  // the required quantity that this one may replace
-};
-
-/// Factor to SI as a fraction, so that percent and mm convert with one exact rounding.
-struct Unit {
-    std::string_view suffix;  // empty: none
-    Dimension dimension;
-    double multiply;
-    double divide;
-
-    double to_si(double value) const { return value * multiply / divide; }
 };
 
 /// All ways to name a quantity with its unit, as in "a_kPa, a_Pa or a_MPa".
@@ -42,10 +31,6 @@ struct NamedQuantity {
     const Unit* unit;
 };
 std::optional<NamedQuantity> parse_name(std::string_view name, std::span<const Quantity> quantities);
-
-/// The quantity whose name is `name` followed by a wrong unit or none, where one is needed. Sets the fault's
-/// column, constraint and remedy.
-const Quantity* wrong_unit(std::string_view name, std::span<const Quantity> quantities, Fault& fault);
 
 struct Column {
     std::size_t index = 0;

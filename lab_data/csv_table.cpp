@@ -18,18 +18,6 @@ namespace {
 constexpr std::size_t largest_csv = 16u << 20;
 constexpr std::size_t most_columns = 1000;  // each is compared with every known name
 
-char separator_of(std::string_view header) {
-    constexpr std::array<char, 3> separators{',', ';', '\t'};
-    std::array<int, 3> counts{};
-    bool quoted = false;
-    for (const char c : header) {
-        if (c == '"') quoted = !quoted;
-        for (std::size_t i = 0; i < separators.size() && !quoted; ++i) counts[i] += c == separators[i];
-    }
-    return separators[static_cast<std::size_t>(std::max_element(counts.begin(), counts.end()) -
-                                               counts.begin())];
-}
-
 /// What libcsv's callbacks fill: rows, and the line at which the row in work started.
 struct RowsRead {
     std::vector<CsvRow> rows;
@@ -56,8 +44,55 @@ std::string_view next_line(std::string_view& text) {
     return line;
 }
 
-bool is_comment(std::string_view line) {
-    return trimmed(line).starts_with('#');
+/// The separator that the header has most of. A line without any is a title, and the next ones decide.
+char separator_of(std::string_view header, std::string_view below) {
+    constexpr std::array<char, 3> separators{',', ';', '\t'};
+    for (std::string_view line = header;; line = next_line(below)) {
+        std::array<int, 3> counts{};
+        bool quoted = false;
+        for (const char c : line) {
+            if (c == '"') quoted = !quoted;
+            for (std::size_t i = 0; i < separators.size() && !quoted; ++i) counts[i] += c == separators[i];
+        }
+        const auto most = std::ranges::max_element(counts);
+        if (*most > 0) return separators[static_cast<std::size_t>(most - counts.begin())];
+        if (below.empty()) return separators.front();
+    }
+}
+
+/// A tab may be the separator, so that it is no white space here.
+std::string_view without_spaces(std::string_view text) {
+    const std::size_t first = std::min(text.find_first_not_of(' '), text.size());
+    return text.substr(first, text.find_last_not_of(' ') + 1 - first);
+}
+
+/// Columns that a header names: empty cells at its end are none.
+std::size_t count_names(const CsvRow& header) {
+    std::size_t count = header.cells.size();
+    while (count > 0 && trimmed(header.cells[count - 1]).empty()) --count;
+    return count;
+}
+
+/// Cells of a line; empty ones beyond `columns` do not count.
+std::size_t count_cells(std::string_view line, char separator, std::size_t columns) {
+    std::size_t cells = 1;
+    bool quoted = false;
+    for (const char c : line) {
+        if (c == '"') quoted = !quoted;
+        if (c == separator && !quoted) ++cells;
+    }
+    for (line = without_spaces(line); cells > columns && line.ends_with(separator); --cells)
+        line = without_spaces(line.substr(0, line.size() - 1));
+    return cells;
+}
+
+/// Above the header every line that starts with '#' is a comment. Below it, one with a cell for each column
+/// is a row: spreadsheets write "#DIV/0!" and "#N/A" into cells, and samples are called "#1".
+bool is_comment(std::string_view line, char separator, const std::vector<CsvRow>& rows) {
+    if (!trimmed(line).starts_with('#')) return false;
+    if (rows.empty()) return true;
+    const std::size_t columns = count_names(rows.front());
+    return count_cells(line, separator, columns) != columns;
 }
 
 /// Feeds libcsv line by line, which is how each row gets its line in the file.
@@ -66,15 +101,17 @@ std::optional<std::vector<CsvRow>> split_rows(std::string_view text, const std::
     csv_parser parser;
     if (csv_init(&parser, CSV_STRICT | CSV_STRICT_FINI) != 0) throw std::bad_alloc();
     const std::unique_ptr<csv_parser, decltype(&csv_free)> owner(&parser, csv_free);
-    bool separator_known = false;
+    char separator = ',';
     RowsRead rows;
     for (int line_number = 1; !text.empty(); ++line_number) {
         const std::string_view line = next_line(text);
         const bool row_begins = parser.pstate == 0;  // else a quoted cell goes on
         if (row_begins) {
-            if (is_comment(line) || trimmed(line).empty()) continue;
-            if (!separator_known) csv_set_delim(&parser, static_cast<unsigned char>(separator_of(line)));
-            separator_known = true;
+            if (is_comment(line, separator, rows.rows) || trimmed(line).empty()) continue;
+            if (rows.rows.empty()) {  // the header
+                separator = separator_of(line, text);
+                csv_set_delim(&parser, static_cast<unsigned char>(separator));
+            }
             rows.row.line = line_number;
         }
         std::string fed(line);
@@ -130,6 +167,36 @@ bool header_is_sound(const CsvTable& table, Faults& faults) {
     return true;
 }
 
+bool has_number(const CsvRow& row) {
+    return std::ranges::any_of(row.cells, [](const auto& cell) { return parse_number(cell).has_value(); });
+}
+
+/// Whether the first lines are a title, which is shorter than the table under it: a cell alone, or a few
+/// above a row of names with numbers below. Reports them.
+bool begins_with_title(const CsvTable& table, Faults& faults) {
+    const std::size_t columns = table.rows.back().cells.size(), titled = table.header.size();
+    const auto is_whole = [&](const CsvRow& row) { return row.cells.size() == columns; };
+    const auto is_title = [&](const CsvRow& row) { return count_names(row) <= titled; };
+    const auto first = std::ranges::find_if(table.rows, is_whole);
+    if (is_title(*first) || !std::all_of(first, table.rows.end(), is_whole) ||
+        !std::all_of(table.rows.begin(), first, is_title))
+        return false;
+    const bool names_follow = !has_number(*first) && first + 1 != table.rows.end();
+    const bool sure = titled == 1 ? names_follow || first == table.rows.begin()
+                                  : names_follow && has_number(table.rows.back());
+    if (!sure) return false;
+    faults.error(
+        {.file = table.file,
+         .line = table.header_line,
+         .value = table.header.front(),
+         .constraint =
+             "is not a row of column names, as the rows below have " + std::to_string(columns) + " cells",
+         .remedy = names_follow ? "remove the lines above the header or begin them with #"
+                                : "begin the file with a name for each column; lines above that row must be "
+                                  "removed or begin with #"});
+    return true;
+}
+
 /// Rows to the header's length: surplus empty cells go, anything else is a fault.
 bool rows_fit(CsvTable& table, Faults& faults) {
     RepeatedFault ragged(faults, table.file);
@@ -164,6 +231,7 @@ std::optional<CsvTable> read_csv(const std::filesystem::path& path, Faults& faul
                       .remedy = "give a row of column names and a row for each reading"});
         return std::nullopt;
     }
+    rows->front().cells.resize(count_names(rows->front()));
     CsvTable table{.file = file,
                    .header_line = rows->front().line,
                    .header = std::move(rows->front().cells),
@@ -171,8 +239,8 @@ std::optional<CsvTable> read_csv(const std::filesystem::path& path, Faults& faul
     rows->erase(rows->begin());
     table.rows = std::move(*rows);
     for (std::string& name : table.header) name = std::string(trimmed(name));
-    while (!table.header.empty() && table.header.back().empty()) table.header.pop_back();
-    if (!header_is_sound(table, faults) || !rows_fit(table, faults)) return std::nullopt;
+    if (begins_with_title(table, faults) || !header_is_sound(table, faults) || !rows_fit(table, faults))
+        return std::nullopt;
     return table;
 }
 

@@ -30,10 +30,12 @@ struct CsvTable {
 };
 
 /// Reads a table whose first row names the columns (RFC 4180, with leniency where no meaning can be lost).
-/// Separators: comma, semicolon or tab, whichever the header has most of. Blank rows, lines that start with
-/// '#', empty cells beyond the header and any line ends are accepted. At most 16 MiB and 1000 columns.
-/// Reports and gives nothing for: faults of read_text(), an empty file, a header without rows or of numbers,
-/// a column name given twice, a row of another length than the header, quotes that do not close.
+/// Separators: comma, semicolon or tab, whichever the header has most of. Blank rows, empty cells beyond the
+/// header and any line ends are accepted. A line that starts with '#' is a comment, unless it stands below
+/// the header and has a cell for each column. At most 16 MiB and 1000 columns.
+/// Reports and gives nothing for: faults of read_text(), an empty file, a title above the header, a header
+/// without rows or of numbers, a column name given twice, a row of another length than the header, quotes
+/// that do not close.
 std::optional<CsvTable> read_csv(const std::filesystem::path& path, Faults& faults);
 
 }  // namespace loam::lab_data

@@ -8,8 +8,10 @@
 #include "lab_data/gather.hpp"
 #include "lab_data/nearest_name.hpp"
 #include "lab_data/number.hpp"
+#include "lab_data/shown.hpp"
 #include "lab_data/test_settings.hpp"
 #include "lab_data/text_file.hpp"
+#include "lab_data/units.hpp"
 
 namespace loam::lab_data {
 namespace fs = std::filesystem;
@@ -77,13 +79,13 @@ void check_structure(const Rows& rows, Faults& faults) {
     const std::vector<std::string_view> header(rows.table.header.begin(), rows.table.header.end());
     for (const std::string_view name : needed) {
         if (rows.column(name)) continue;
-        const auto near = nearest_name(name, header);
+        const auto near = nearest_quantity(name, header);
         faults.error(
             {.file = rows.table.file,
              .line = rows.table.header_line,
              .column = std::string(name),
              .constraint = "is missing",
-             .remedy = near ? "did you mean column '" + *near + "'? Name it '" + std::string(name) + "'"
+             .remedy = near ? "did you mean column '" + shown(*near) + "'? If so, " + renaming(*near, name)
                             : "add the column, with a value for each sample"});
     }
     for (const std::string_view name : {"sample", "file"}) {
@@ -102,27 +104,41 @@ void check_structure(const Rows& rows, Faults& faults) {
     }
 }
 
-/// A column's values: numbers if all that are there are numbers, else labels.
-std::vector<Covariate> read_covariate(const CsvTable& table, std::size_t column, Faults& faults) {
-    std::size_t present = 0, numbers = 0, odd = 0;
+/// Says so if a column of labels was probably meant as numbers: most are, or would be with a decimal point.
+void warn_of_labels(const CsvTable& table, std::size_t column, Faults& faults) {
+    std::size_t present = 0, numbers = 0;
+    std::optional<std::size_t> odd, comma;
     for (std::size_t row = 0; row < table.rows.size(); ++row) {
-        const std::string& cell = table.rows[row].cells[column];
+        std::string cell = table.rows[row].cells[column];
         if (is_missing(cell)) continue;
         ++present;
-        if (parse_number(cell))
+        if (parse_number(cell)) {
             ++numbers;
-        else
-            odd = row;
+            continue;
+        }
+        odd = row;
+        std::ranges::replace(cell, ',', '.');
+        if (parse_number(cell)) comma = row;
     }
-    if (numbers < present && 2 * numbers > present)
-        faults.warn(table.file + ":" + std::to_string(table.rows[odd].line),
-                    "column '" + table.header[column] + "' is taken as labels, because '" +
-                        table.rows[odd].cells[column] + "' is not a number");
+    if (2 * numbers <= present && !comma) return;
+    const std::size_t row = comma ? *comma : *odd;
+    const std::string& cell = table.rows[row].cells[column];
+    faults.warn(table.file + ":" + std::to_string(table.rows[row].line),
+                "column '" + shown(table.header[column]) + "' is taken as labels, because '" + shown(cell) +
+                    "' is not a number" + (comma ? "; " + number_remedy(cell) : ""));
+}
+
+/// A column's values: numbers if all that are there are numbers, else labels.
+std::vector<Covariate> read_covariate(const CsvTable& table, std::size_t column, Faults& faults) {
+    const bool numeric = std::ranges::all_of(table.rows, [&](const CsvRow& row) {
+        return is_missing(row.cells[column]) || parse_number(row.cells[column]);
+    });
+    if (!numeric) warn_of_labels(table, column, faults);
     std::vector<Covariate> covariates(table.rows.size());
     for (std::size_t row = 0; row < table.rows.size(); ++row) {
         const std::string& cell = table.rows[row].cells[column];
         if (is_missing(cell)) continue;
-        if (numbers == present)
+        if (numeric)
             covariates[row] = *parse_number(cell);
         else
             covariates[row] = cell;
@@ -169,9 +185,9 @@ DataSetRow gather_row(const Rows& rows, std::size_t row, std::vector<std::string
     read_settings(rows, row, test, faults);
     if (is_in_folder(rows.set.folder, result.file, rows.table.at(row, file_column), faults))
         read_curve(rows.set.folder / result.file, test, faults);
+    warnings.insert(warnings.end(), faults.warnings.begin(), faults.warnings.end());
     if (faults.errors.empty()) {
         result.test = std::move(test);
-        warnings.insert(warnings.end(), faults.warnings.begin(), faults.warnings.end());
     } else {
         result.test = faults.errors.front();
         result.more_faults.assign(faults.errors.begin() + 1, faults.errors.end());
@@ -184,10 +200,10 @@ void warn_of_near_setting(const Rows& rows, const std::string& name, Faults& fau
     std::vector<std::string_view> valid{"measurement_sd"};
     for (const Setting& setting : settings())
         if (setting.applies_to(rows.set.kind)) valid.push_back(setting.name);
-    const auto near = nearest_name(name, valid);
+    const auto near = nearest_quantity(name, valid);
     if (near && *near != name && !rows.column(*near))
-        faults.warn(rows.table.file,
-                    "column '" + name + "' is taken as a covariate; did you mean '" + *near + "'?");
+        faults.warn(rows.table.file, "column '" + shown(name) + "' is taken as a covariate; did you mean '" +
+                                         *near + "'? If so, " + renaming(name, *near));
 }
 
 void read_rows(const Rows& rows, DataSet& set, Faults& faults) {

@@ -40,7 +40,19 @@ template void read_identity<DataSet>(const TomlTable&, DataSet&, Faults&);
 std::optional<fs::path> locate(const fs::path& path, std::string_view name, Faults& faults) {
     std::error_code error;
     const fs::file_status status = fs::status(path, error);
-    if (status.type() == fs::file_type::directory) return path / name;
+    const bool is_folder = status.type() == fs::file_type::directory;
+    const std::string_view other = name == sample_file ? data_set_file : sample_file;
+    const bool is_other = is_folder ? !fs::exists(path / name, error) && fs::exists(path / other, error)
+                                    : path.filename() == other && fs::exists(path, error);
+    if (is_other) {
+        const bool is_set = other == data_set_file;
+        faults.error({.file = path.string(),
+                      .constraint = is_set ? "is a data set, not a sample" : "is a sample, not a data set",
+                      .remedy = is_set ? "give it to loam bulk, which fits every sample of a data set"
+                                       : "give it to loam calibrate, which fits one sample"});
+        return std::nullopt;
+    }
+    if (is_folder) return path / name;
     if (path.filename() == name) return path;
     const bool missing = status.type() == fs::file_type::not_found;
     faults.error(

@@ -14,7 +14,8 @@ namespace loam::lab_data {
 constexpr std::string_view sample_file = "sample.toml";
 constexpr std::string_view data_set_file = "dataset.toml";
 
-/// `path` if its name is `name`, else `name` in folder `path`. Reports a path that is neither.
+/// `path` if its name is `name`, else `name` in folder `path`. Reports a path that is neither, and one
+/// that is a data set where a sample is wanted or the reverse.
 std::optional<std::filesystem::path> locate(const std::filesystem::path& path, std::string_view name,
                                             Faults& faults);
 

@@ -9,6 +9,7 @@
 #include "lab_data/nearest_name.hpp"
 #include "lab_data/test_settings.hpp"
 #include "lab_data/text_file.hpp"
+#include "lab_data/units.hpp"
 
 namespace loam::lab_data {
 namespace fs = std::filesystem;
@@ -98,7 +99,7 @@ void report_unknown_keys(const TomlTable& table, const Test& test, const std::st
                                     : "is not known here",
                       .remedy = elsewhere ? "remove it, or correct the kind: it belongs to " +
                                                 std::string(to_string(*other->kind))
-                                          : suggest_name(key.str(), valid)});
+                                          : suggest_key(key.str(), valid)});
     }
 }
 

@@ -59,7 +59,7 @@ constexpr std::array channels{
     Channel{TestKind::direct_shear, {"settlement", Dimension::length, true}, 1.0},
 };
 
-std::string shown(double value) {
+std::string decimal(double value) {
     std::string text = std::to_string(value);
     text.erase(text.find_last_not_of('0') + 1);
     if (text.ends_with('.')) text.pop_back();
@@ -94,7 +94,7 @@ void apply_setting(const Setting& setting, double value, Test& test, const Fault
     }
     Fault fault = where;
     fault.constraint = std::string(setting.lower_allowed ? "must be at least " : "must be above ") +
-                       shown(setting.lower) + " and at most " + shown(setting.upper);
+                       decimal(setting.lower) + " and at most " + decimal(setting.upper);
     fault.remedy = setting.remedy;
     faults.error(fault);
 }
@@ -133,7 +133,7 @@ void apply_measurement_sd(std::string_view name, double value, Test& test, const
         test.measurement_sd[std::string(named->quantity->name)] = si;
         return;
     }
-    fault.constraint = "must be above 0 and at most " + shown(channel->upper) + " in SI";
+    fault.constraint = "must be above 0 and at most " + decimal(channel->upper) + " in SI";
     fault.remedy = "give the standard deviation of one reading, a strain as a ratio such as 0.0001";
     faults.error(fault);
 }

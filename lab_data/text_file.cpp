@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "lab_data/nearest_name.hpp"
+#include "lab_data/shown.hpp"
 #include "lab_data/utf8.hpp"
 
 namespace loam::lab_data {
@@ -94,7 +95,7 @@ std::string missing_file_remedy(const fs::path& path) {
     std::ranges::sort(names);
     const std::vector<std::string_view> views(names.begin(), names.end());
     if (const auto nearest = nearest_name(whole.filename().string(), views))
-        return "did you mean '" + *nearest + "'?";
+        return "did you mean '" + shown(*nearest) + "'?";
     return "put it into its folder or correct the name";
 }
 

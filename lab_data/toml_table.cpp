@@ -6,14 +6,16 @@
 #include <cmath>
 #include <sstream>
 
-#include "lab_data/nearest_name.hpp"
 #include "lab_data/number.hpp"
+#include "lab_data/shown.hpp"
 #include "lab_data/text_file.hpp"
+#include "lab_data/units.hpp"
 
 namespace loam::lab_data {
 namespace {
 
 constexpr std::size_t largest_toml = 256u << 10;
+constexpr std::size_t longest_description = 300;  // the parser quotes keys in it
 
 bool is_quote(char c) {
     return c == '"' || c == '\'';
@@ -112,7 +114,7 @@ std::optional<toml::table> parse_toml(const std::filesystem::path& path, Faults&
         faults.error({.file = path.string(),
                       .line = static_cast<int>(begin.line),
                       .value = line,
-                      .constraint = "is not valid TOML (" + description + ")",
+                      .constraint = "is not valid TOML (" + shown(description, longest_description) + ")",
                       .remedy = syntax_remedy(line, description),
                       .position = static_cast<int>(begin.column)});
         return std::nullopt;
@@ -217,7 +219,7 @@ void TomlTable::allow_only(std::span<const std::string_view> valid) const {
                        .line = static_cast<int>(key.source().begin.line),
                        .column = std::string(key.str()),
                        .constraint = "is not known here",
-                       .remedy = suggest_name(key.str(), valid)});
+                       .remedy = suggest_key(key.str(), valid)});
     }
 }
 

@@ -3,34 +3,13 @@
 #include <cstdio>
 #include <string_view>
 
+#include "lab_data/shown.hpp"
 #include "lab_data/utf8.hpp"
 
 namespace loam::lab_data {
 namespace {
 
 constexpr std::size_t longest_path = 4096;
-
-/// The text as it can be shown on a terminal and written as JSON: cut to `longest` bytes or so, control
-/// characters and what is no UTF-8 escaped.
-std::string shown(std::string_view value, std::size_t longest = 60) {
-    std::string text;
-    std::size_t i = 0;
-    while (i < value.size() && i < longest) {
-        const auto byte = static_cast<unsigned char>(value[i]);
-        const std::size_t length = utf8_character_length(value.substr(i));
-        if (length > 0 && byte >= 0x20 && byte != 0x7f) {
-            text += value.substr(i, length);
-            i += length;
-            continue;
-        }
-        char escaped[8];
-        std::snprintf(escaped, sizeof escaped, "\\x%02x", static_cast<unsigned>(byte));
-        text += escaped;
-        ++i;
-    }
-    if (i < value.size()) text += "...";
-    return text;
-}
 
 /// What the name stands for follows from where it was written.
 std::string_view kind_of_name(const Fault& fault) {
@@ -59,6 +38,26 @@ std::string message(const Fault& fault) {
 }
 
 }  // namespace
+
+std::string shown(std::string_view value, std::size_t longest) {
+    std::string text;
+    std::size_t i = 0;
+    while (i < value.size() && i < longest) {
+        const auto byte = static_cast<unsigned char>(value[i]);
+        const std::size_t length = utf8_character_length(value.substr(i));
+        if (length > 0 && byte >= 0x20 && byte != 0x7f) {
+            text += value.substr(i, length);
+            i += length;
+            continue;
+        }
+        char escaped[8];
+        std::snprintf(escaped, sizeof escaped, "\\x%02x", static_cast<unsigned>(byte));
+        text += escaped;
+        ++i;
+    }
+    if (i < value.size()) text += "...";
+    return text;
+}
 
 UserError::UserError(Fault fault) : std::runtime_error(message(fault)), fault_(std::move(fault)) {}
 

@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
+
+#include "lab_data/data_set.hpp"
+#include "lab_data/sample.hpp"
 #include "made_sample.hpp"
 
 namespace loam::lab_data {
@@ -23,6 +27,46 @@ TEST(Check, TellsWhatAPathIs) {
     EXPECT_THROW(kind_of(folder.path() / "d"), UserError);
     EXPECT_THROW(kind_of(folder.path() / "e"), UserError);
     EXPECT_THROW(check(folder.path() / "d/config.toml"), UserError);
+}
+
+UserError failure(const std::function<void()>& reading) {
+    try {
+        reading();
+    } catch (const UserError& error) {
+        return error;
+    }
+    throw std::logic_error("was read");
+}
+
+TEST(Check, TellsASampleFromADataSet) {
+    const TemporaryFolder folder;
+    folder.write("a/sample.toml", "");
+    folder.write("b/dataset.toml", "");
+    for (const char* path : {"b", "b/dataset.toml"}) {
+        const UserError error = failure([&] { read_sample(folder.path() / path); });
+        EXPECT_EQ(error.constraint(), "is a data set, not a sample");
+        EXPECT_NE(error.remedy().find("loam bulk"), std::string::npos);
+    }
+    for (const char* path : {"a", "a/sample.toml"}) {
+        const UserError error = failure([&] { read_data_set(folder.path() / path); });
+        EXPECT_EQ(error.constraint(), "is a sample, not a data set");
+        EXPECT_NE(error.remedy().find("loam calibrate"), std::string::npos);
+    }
+}
+
+TEST(Check, NamesTheFolderOfATable) {
+    const TemporaryFolder folder;
+    folder.write("a/sample.toml", "");
+    folder.write("a/oedometer.csv", "");
+    folder.write("b/dataset.toml", "");
+    folder.write("b/curves/1.csv", "");
+    folder.write("c/1.csv", "");
+    const auto remedy = [&](const char* file) {
+        return failure([&] { kind_of(folder.path() / file); }).remedy();
+    };
+    EXPECT_EQ(remedy("a/oedometer.csv"), "name the folder '" + (folder.path() / "a").string() + "'");
+    EXPECT_EQ(remedy("b/curves/1.csv"), "name the folder '" + (folder.path() / "b").string() + "'");
+    EXPECT_EQ(remedy("c/1.csv"), "name the folder that holds its sample.toml or dataset.toml");
 }
 
 TEST(Check, DescribesASoundSample) {

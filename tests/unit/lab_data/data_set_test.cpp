@@ -81,6 +81,17 @@ TEST(ReadDataSet, ReturnsAnUnreadableSampleWithItsReason) {
     EXPECT_EQ(set.rows[1].covariates.size(), 4u);
 }
 
+TEST(ReadDataSet, TakesNamesThatBeginWithAHash) {
+    Files files = sound_data_set();
+    files["samples.csv"] =
+        "# exported\nsample,file\n#1,curves/a.csv\n# a remark\n\"#2\",curves/b.csv\nC,curves/c.csv\n";
+    const DataSet set = read(files);
+    ASSERT_EQ(set.rows.size(), 3u);
+    EXPECT_EQ(set.rows[0].name, "#1");
+    EXPECT_EQ(set.rows[1].name, "#2");
+    EXPECT_EQ(set.rows[1].line, 5);
+}
+
 TEST(ReadDataSet, RefusesAFileOutsideOfTheFolder) {
     Files files = sound_data_set();
     files["samples.csv"] = replaced(files["samples.csv"], "curves/a.csv", "../a.csv");
@@ -109,12 +120,63 @@ TEST(ReadDataSet, WarnsOfAColumnThatIsNearlyNumbers) {
     EXPECT_NE(set.warnings[0].find("samples.csv:4: column 'depth_cm' is taken as labels"), std::string::npos);
 }
 
+TEST(ReadDataSet, WarnsOfDecimalCommasInACovariate) {
+    Files files = sound_data_set();
+    files["samples.csv"] = "sample;file;clay\nA;curves/a.csv;1,5\nB;curves/b.csv;2,5\nC;curves/c.csv;3\n";
+    const DataSet set = read(files);
+    EXPECT_EQ(std::get<std::string>(set.rows[0].covariates[0]), "1,5");
+    ASSERT_EQ(set.warnings.size(), 1u);
+    EXPECT_NE(
+        set.warnings[0].find(
+            "samples.csv:3: column 'clay' is taken as labels, because '2,5' is not a number; write 2.5"),
+        std::string::npos)
+        << set.warnings[0];
+}
+
+TEST(ReadDataSet, KeepsTheWarningsOfAnUnreadableSample) {
+    Files files = sound_data_set();
+    std::string curve = "axial_stress_kPa;axial_strain\n";
+    for (int i = 1; i <= 100; ++i) curve += std::to_string(i) + ";0,1\n";
+    files["curves/b.csv"] = curve;
+    const DataSet set = read(files);
+    EXPECT_FALSE(set.rows[1].readable());
+    ASSERT_EQ(set.warnings.size(), 1u);
+    EXPECT_NE(set.warnings[0].find("b.csv: column 'axial_strain': 97 more errors of the same kind"),
+              std::string::npos);
+}
+
 TEST(ReadDataSet, WarnsOfAColumnThatIsNearlyASetting) {
     Files files = sound_data_set();
     files["samples.csv"] = replaced(files["samples.csv"], "initial_void_ratio", "initial_voidratio");
     const DataSet set = read(files);
     ASSERT_EQ(set.warnings.size(), 1u);
     EXPECT_NE(set.warnings[0].find("did you mean 'initial_void_ratio'?"), std::string::npos);
+}
+
+TEST(ReadDataSet, AsksToConvertASettingOfAnotherUnit) {
+    Files files = sound_data_set();
+    files["dataset.toml"] = "name = \"t\"\nkind = \"triaxial\"\nsource = \"s\"\nlicence = \"l\"\n";
+    files["samples.csv"] = "sample,file,cell_pressure_MPa\nA,curves/a.csv,0.05\n";
+    EXPECT_EQ(failure(files).remedy(),
+              "did you mean column 'cell_pressure_MPa'? If so, convert it to kPa and name it "
+              "'cell_pressure_kPa'");
+    files = sound_data_set();
+    files["samples.csv"] = replaced(files["samples.csv"], "depth_cm", "seating_stress_Pa");
+    files["dataset.toml"] = replaced(files["dataset.toml"], "seating_stress_kPa = 2\n", "");
+    const DataSet set = read(files);
+    ASSERT_EQ(set.warnings.size(), 1u);
+    EXPECT_NE(set.warnings[0].find("convert it to kPa and name it 'seating_stress_kPa'"), std::string::npos);
+}
+
+TEST(ReadDataSet, ShowsNamesOfCovariatesHarmlessly) {
+    Files files = sound_data_set();
+    files["samples.csv"] =
+        replaced(files["samples.csv"], "depth_cm", "\"depth\n" + std::string(5000, 'x') + "\"");
+    files["samples.csv"] = replaced(files["samples.csv"], ",10,", ",\"1,0\",");
+    const DataSet set = read(files);
+    ASSERT_EQ(set.warnings.size(), 1u);
+    EXPECT_NE(set.warnings[0].find("column 'depth\\x0axxx"), std::string::npos);
+    EXPECT_LT(set.warnings[0].size(), 400u);
 }
 
 TEST(ReadDataSet, ThrowsForItsOwnFaults) {

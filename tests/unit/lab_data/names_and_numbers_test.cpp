@@ -89,10 +89,64 @@ TEST(NumberRemedy, SaysWhatToWrite) {
     has("5%", "_percent");
     has("5 kPa", "write 5");
     has("#DIV/0!", "spreadsheet");
+    has("# stage 2", "above the header if it is a comment");
     has("n/a", "leave the whole row out");
     has("abc", "0.0125");
     has("0xB4", "0.0125");
     has("1e400", "0.0125");
+}
+
+TEST(NumberRemedy, NeverNamesAnotherNumber) {
+    const std::string point = " with a decimal point, and no separators of thousands";
+    const std::string thousands = " without separators of thousands";
+    const std::string nothing = "write a number such as 0.0125";
+    struct Remedy {
+        const char* text;
+        std::string words;
+    };
+    for (const Remedy& remedy : {
+             Remedy{"1.234,5", "write 1234.5" + thousands},
+             {"1,234.5", "write 1234.5" + thousands},
+             {"1.234.567", "write 1234567" + thousands},
+             {"-1,234", "write -1234" + thousands + ", or -1.234 if the comma is a decimal one"},
+             {"0,125", "write 0.125" + point},
+             {"12,5%", "write 12.5" + point + ", leave out the percent sign and end the name with _percent"},
+             {"0,5 %", "write 0.5" + point + ", leave out the percent sign and end the name with _percent"},
+             {"5 %", "write 5 alone, leave out the percent sign and end the name with _percent"},
+             {"5,0 kPa", "write 5.0" + point + ", alone if 'kPa' is a unit, which belongs in the name"},
+             {"5\xc2\xa0kPa", "write 5 alone if 'kPa' is a unit, which belongs in the name"},
+             {"20 \xc2\xb0", "write 20 alone if '\xc2\xb0' is a unit, which belongs in the name"},
+             {"1 200 kPa",
+              "write 1200" + thousands + ", alone if 'kPa' is a unit, which belongs in the name"},
+             {"3e5 Pa", "write 3e5 alone if 'Pa' is a unit, which belongs in the name"},
+             {"1\xc2\xa0"
+              "200",
+              "write 1200" + thousands},
+             {"1\xe2\x80\xaf"
+              "200,5",
+              "write 1200.5" + thousands},
+             {"1\xe2\x80\x89"
+              "200",
+              "write 1200" + thousands},
+             {"1'200", "write 1200" + thousands},
+             {"1\xe2\x80\x99"
+              "200.25",
+              "write 1200.25" + thousands},
+             {"1_000", "write 1000" + thousands},
+             {"1,5e3", "write 1.5e3" + point},
+             {"1,2,3", nothing},
+             {"1 2", nothing},
+             {"10 20 30", nothing},
+             {"1.2.3", nothing},
+             {"1,23,456", nothing},
+             {"1/2", nothing},
+             {"1D3", nothing},
+             {"1d+3", nothing},
+             {"0x1F", nothing},
+             {"5 6 kPa", nothing},
+             {"2024-01-02", nothing},
+         })
+        EXPECT_EQ(number_remedy(remedy.text), remedy.words) << remedy.text;
 }
 
 TEST(UserError, PutsTheMessageTogether) {

@@ -108,6 +108,17 @@ TEST(ReadSample, TakesTheDialectsOfSpreadsheets) {
     EXPECT_EQ(sample.tests[1].lines, (std::vector<int>{2, 3}));
 }
 
+TEST(ReadSample, PassesOverCommentsAnywhere) {
+    Files files = sound_files();
+    files["oedometer.csv"] =
+        "# stress, strain, remark, in this order\n,,\naxial_stress_kPa,axial_strain\n# 5\" ring\n10,0\n"
+        "#\n# stages 2, 3, and 4\n20,0.004\n";
+    files["triaxial.csv"] = replaced(files["triaxial.csv"], "0,0,0\n", "#first\n0,0,0\n");
+    const Sample sample = read(files);
+    EXPECT_EQ(sample.tests[0].lines, (std::vector<int>{5, 8}));
+    EXPECT_EQ(sample.tests[1].size(), 5u);
+}
+
 TEST(ReadSample, KeepsAndIgnoresUnknownColumns) {
     Files files = sound_files();
     files["oedometer.csv"] =
