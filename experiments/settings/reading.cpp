@@ -6,6 +6,7 @@
 #include "experiments/settings/conversion.hpp"
 #include "experiments/settings/inputs.hpp"
 #include "experiments/settings/parameters.hpp"
+#include "experiments/settings/run_folder.hpp"
 #include "experiments/settings/validation.hpp"
 
 namespace loam::experiments {
@@ -86,7 +87,9 @@ Settings read_settings(std::string_view verb, const std::filesystem::path& confi
     for (const Override& given : overrides) read_override(draft, given);
     complete(draft);  // mistakes of the settings show before those of the data
     resolve_inputs(draft);
-    return complete(draft);
+    Settings settings = complete(draft);
+    spare_configuration(configuration, settings);
+    return settings;
 }
 
 }  // namespace loam::experiments

@@ -131,6 +131,51 @@ TEST_F(InFolder, ARunThatCameToNothingLeavesItsPlace) {
     EXPECT_EQ(read_configuration(run.file("config.toml")), other);
 }
 
+/// The whole file.
+std::string text_of(const fs::path& file) {
+    std::ifstream stream(file);
+    return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+TEST_F(InFolder, AConfigurationOfTheUsersOwnIsLeftAlone) {
+    const std::string own = "# my settings\nverb = \"calibrate\"\nparticles = 300\n";
+    const fs::path file = folder / "run/config.toml";
+    fs::create_directory(folder / "run");
+    std::ofstream(file) << own;
+    const auto refused = [&](const auto& action) {
+        const std::string said = complaint_of(action);
+        EXPECT_NE(said.find("holds a config.toml that is not of a run"), std::string::npos) << said;
+        EXPECT_EQ(text_of(file), own);
+    };
+    refused([&] { RunFolder{settings()}; });
+    refused([&] { RunFolder{settings({{"particles", "300"}})}; });
+    const std::vector<Override> given{{"sample", sand.string()}, {"out", (folder / "run").string()}};
+    refused([&] { read_settings("calibrate", file, given); });
+    fs::create_directory_symlink(folder / "run", folder / "link");
+    refused([&] { read_settings("calibrate", folder / "link/config.toml", given); });
+    std::ofstream(folder / "run/notes.txt") << "x";
+    refused([&] { RunFolder{settings()}; });
+    fs::create_directory(folder / "run/.git");
+    refused([&] { RunFolder{settings()}; });
+    // Read from there, it may serve a run elsewhere.
+    EXPECT_EQ(read_settings("calibrate", file, {given[0], {"out", (folder / "new").string()}}).particles,
+              300);
+}
+
+TEST_F(InFolder, ARunsConfigurationThatIsReadIsNotReplaced) {
+    { const RunFolder run(settings()); }
+    const fs::path file = folder / "run/config.toml";
+    std::ofstream(file, std::ios::app) << "# a note\n";
+    const std::string before = text_of(file);
+    const std::string said = complaint_of([&] { read_settings("calibrate", file, {{"seed", "2"}}); });
+    EXPECT_NE(said.find("key 'seed' is 1 in the run stored there and 2 now"), std::string::npos) << said;
+    EXPECT_TRUE(RunFolder(read_settings("calibrate", file, {})).resumed());
+    EXPECT_EQ(text_of(file), before);
+    std::ofstream(folder / "run/ensemble.h5") << "simulations";
+    EXPECT_TRUE(RunFolder(read_settings("calibrate", file, {})).resumed());
+    EXPECT_EQ(text_of(file), before);
+}
+
 TEST_F(InFolder, OneProcessAtATime) {
     const RunFolder run(settings());
     EXPECT_NE(complaint_of([&] { RunFolder{settings()}; }).find("in use by another loam"), std::string::npos);

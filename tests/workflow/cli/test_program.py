@@ -195,6 +195,17 @@ class WrongSettings(ProgramTest):
         self.refused("calibrate", SAND, "--out", self.folder, says="not the folder of a run")
         self.assertEqual([path.name for path in self.folder.iterdir()], ["thesis.tex"])
 
+    def test_a_configuration_in_the_out_folder_is_not_overwritten(self):
+        text = "# mine\nparticles = 300\n"
+        own = self.file("config.toml", text)
+        for words in (("--config", own), (), ("--packing", SAND / "sample.toml")):
+            with self.subTest(words=words):
+                self.refused("simulate", SAND, "--out", self.folder, *words, says="not the folder of a run")
+                self.assertEqual(own.read_text(encoding="utf-8"), text)
+        (self.folder / ".git").mkdir()
+        self.refused("simulate", SAND, "--out", self.folder, says="not the folder of a run")
+        self.assertEqual(own.read_text(encoding="utf-8"), text)
+
 
 class Check(ProgramTest):
     def test_what_ships_is_sound(self):
