@@ -12,6 +12,7 @@
 #include "experiments/settings/conversion.hpp"
 #include "experiments/settings/validation.hpp"
 #include "lab_data/nearest_name.hpp"
+#include "lab_data/utf8.hpp"
 
 namespace loam::experiments {
 namespace {
@@ -177,7 +178,27 @@ std::string resolve_data_set(Draft& draft) {
     return set.name;
 }
 
+/// The paths of a run, as the user wrote them or as they have become.
+void demand_utf8_paths(const Draft& draft) {
+    const Settings& settings = draft.settings;
+    for (const auto& [path, name] :
+         {std::pair{&settings.sample, "sample"}, std::pair{&settings.packing, "packing"},
+          std::pair{&settings.out, "out"}})
+        demand_utf8(*path, origin_of(draft.origins, name));
+}
+
 }  // namespace
+
+void demand_utf8(const fs::path& path, const Origin& origin) {
+    const std::string& text = path.native();
+    for (std::size_t i = 0; i < text.size();) {
+        const std::size_t length = lab_data::utf8_character_length(std::string_view(text).substr(i));
+        if (length == 0)
+            throw fault_at(origin, text, "is not UTF-8, as results that name it must be",
+                           "rename what is so called, or give another path");
+        i += length;
+    }
+}
 
 std::string digest_of_inputs(const lab_data::Sample& sample, const fs::path& packing) {
     std::vector<fs::path> files;
@@ -202,6 +223,7 @@ std::string digest_of_inputs(const lab_data::DataSet& set) {
 
 void resolve_inputs(Draft& draft) {
     Settings& settings = draft.settings;
+    demand_utf8_paths(draft);
     std::string name = settings.benchmark;
     if (settings.verb != "bench") {
         if (settings.sample.empty())
@@ -212,6 +234,7 @@ void resolve_inputs(Draft& draft) {
     }
     if (settings.out.empty()) settings.out = fs::path("runs") / as_file_name(settings.verb + "-" + name);
     settings.out = fs::weakly_canonical(fs::absolute(settings.out));
+    demand_utf8_paths(draft);
 }
 
 }  // namespace loam::experiments

@@ -82,6 +82,7 @@ Settings read_configuration(const std::filesystem::path& file) {
 Settings read_settings(std::string_view verb, const std::filesystem::path& configuration,
                        const std::vector<Override>& overrides) {
     Draft draft;
+    demand_utf8(configuration, {.name = "--config"});
     if (!configuration.empty()) read_toml(draft, read_whole_file(configuration), configuration);
     read_override(draft, {"verb", std::string(verb)});
     for (const Override& given : overrides) read_override(draft, given);

@@ -176,6 +176,32 @@ TEST_F(InFolder, ARunsConfigurationThatIsReadIsNotReplaced) {
     EXPECT_EQ(text_of(file), before);
 }
 
+TEST_F(InFolder, APathThatIsNotUtf8IsRefusedBeforeAnyRun) {
+    const auto refused = [&](const char* name, const auto& action) {
+        const std::string said = complaint_of(action);
+        EXPECT_NE(said.find(name), std::string::npos) << said;
+        EXPECT_NE(said.find("caf\\xe9' is not UTF-8"), std::string::npos) << said;
+    };
+    const fs::path bad = folder / "caf\xe9";
+    refused("'--out': ", [&] { settings({{"out", bad.string()}}); });
+    refused("'--packing': ", [&] { settings({{"packing", bad.string()}}); });
+    refused("'sample': ", [&] { settings({{"sample", bad.string()}}); });
+    fs::copy(sand, bad);
+    refused("'sample': ", [&] { settings({{"sample", bad.string()}}); });
+    refused("'--config': ", [&] { read_settings("calibrate", bad, {}); });
+    // What a link or the working directory makes of it counts too.
+    fs::create_directory_symlink(bad, folder / "link");
+    refused("'sample': ", [&] { settings({{"sample", (folder / "link").string()}}); });
+    const fs::path before = fs::current_path();
+    fs::current_path(bad);
+    EXPECT_NE(complaint_of([] {
+                  read_settings("calibrate", "", {{"sample", sand.string()}});
+              }).find("UTF-8"),
+              std::string::npos);
+    fs::current_path(before);
+    EXPECT_EQ(complaint_of([&] { settings({{"out", (folder / "caf\xc3\xa9").string()}}); }), "");
+}
+
 TEST_F(InFolder, OneProcessAtATime) {
     const RunFolder run(settings());
     EXPECT_NE(complaint_of([&] { RunFolder{settings()}; }).find("in use by another loam"), std::string::npos);

@@ -195,6 +195,10 @@ class WrongSettings(ProgramTest):
         self.refused("calibrate", SAND, "--out", self.folder, says="not the folder of a run")
         self.assertEqual([path.name for path in self.folder.iterdir()], ["thesis.tex"])
 
+    def test_a_path_that_is_not_utf_8(self):
+        self.refused("simulate", SAND, "--out", self.folder / os.fsdecode(b"caf\xe9"), says=["'--out'", "caf\\xe9' is not UTF-8"])
+        self.assertEqual(list(self.folder.iterdir()), [])
+
     def test_a_configuration_in_the_out_folder_is_not_overwritten(self):
         text = "# mine\nparticles = 300\n"
         own = self.file("config.toml", text)
