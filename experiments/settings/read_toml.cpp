@@ -62,10 +62,15 @@ struct FromToml {
     }
     void operator()(std::vector<std::string>* slot) const {
         slot->clear();
-        if (node.is_string()) return slot->push_back(**node.as_string());
+        if (node.is_string()) return add_item(*slot, node);
         if (!node.is_array() || (!node.as_array()->empty() && !node.is_homogeneous(toml::node_type::string)))
             throw wrong_type("must be a list of texts in quotes");
-        for (const toml::node& item : *node.as_array()) slot->push_back(**item.as_string());
+        for (const toml::node& item : *node.as_array()) add_item(*slot, item);
+    }
+    void add_item(std::vector<std::string>& items, const toml::node& item) const {
+        items.push_back(**item.as_string());
+        if (items.back().empty())
+            throw fault_at(origin, text_of(node), "has an empty item", "fill it in, or leave it out");
     }
 };
 

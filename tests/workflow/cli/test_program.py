@@ -246,7 +246,8 @@ class Check(ProgramTest):
         self.assertIn("oedometer_1.csv", answer.stdout)
 
     def test_a_configuration_that_a_run_would_refuse(self):
-        for text, says in [('hold_out = ["zz.csv"]', "is not a test of the sample"), ('packing = "absent.csv"', "absent.csv"),
+        for text, says in [('hold_out = ["zz.csv"]', "is not a test of the sample"), ('hold_out = [""]', "bad.toml:2:1: key 'hold_out'"),
+                           ('packing = "absent.csv"', "absent.csv"),
                            ('verb = "crosstest"', "has no direct_shear test"), ('tests = ["direct_shear"]', "is not among the tests")]:
             with self.subTest(text=text):
                 answer = loam("check", self.file("bad.toml", f'sample = "{SAND}"\n{text}\n'))
