@@ -55,6 +55,18 @@ void warn_of_densities(const std::vector<const lab_data::Test*>& tests, std::vec
                     of(*densest), densest->file, of(*loosest), loosest->file));
 }
 
+/// Boxes are made in the measured proportions. With a side that is wrong, as by its unit, they take far more
+/// particles, and time, than was asked for.
+void warn_of_particles(const Settings& settings, const lab_data::Test& test, const SpecimenShape& shape,
+                       std::vector<std::string>& warnings) {
+    constexpr double far_more = 10;
+    if (shape.particles <= far_more * settings.particles) return;
+    warnings.push_back(
+        fmt::format("{}: the proportions of its box (box_length_mm, box_width_mm, box_height_mm) make a "
+                    "specimen of {} particles, where {} are asked for",
+                    test.file, shape.particles, settings.particles));
+}
+
 /// Packing files hold periodic cells: what lies in a box cannot be loaded from them.
 bool can_take_the_packing(const Settings& settings, const lab_data::Sample& sample,
                           const lab_data::Test& test, const LabTestKind& kind) {
@@ -82,6 +94,10 @@ std::vector<CampaignTest> select_tests(const Settings& settings, const lab_data:
         CampaignTest entry{&test, kind,  kind->readings(test),
                            first, false, target_porosity(settings, sample, test)};
         if (entry.readings.empty()) throw no_reading(test);
+        warn_of_particles(settings, test,
+                          kind->shape(settings, sample, test, entry.porosity,
+                                      static_cast<std::uint32_t>(settings.particles)),
+                          warnings);
         if (entry.readings.size() < test.size() / 2)
             warnings.push_back(fmt::format("{}: {} of {} readings are used, spread along the curve",
                                            test.file, entry.readings.size(), test.size()));
@@ -176,14 +192,16 @@ double keep_reached(VirtualTestResult& result) {
 
 std::vector<std::string> check_tests(const Settings& settings, const lab_data::Sample& sample) {
     constexpr double any_porosity = 0.4;
-    constexpr std::uint32_t any_number = 700;
     std::vector<std::string> warnings;
     std::vector<const lab_data::Test*> selected;
     for (const lab_data::Test& test : sample.tests) {
         if (!wanted(settings, test)) continue;
         const LabTestKind& kind = lab_test(test.kind);
         if (kind.readings(test).empty()) throw no_reading(test);
-        kind.shape(settings, sample, test, any_porosity, any_number);
+        warn_of_particles(
+            settings, test,
+            kind.shape(settings, sample, test, any_porosity, static_cast<std::uint32_t>(settings.particles)),
+            warnings);
         target_porosity(settings, sample, test);
         selected.push_back(&test);
     }
