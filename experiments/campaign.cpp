@@ -22,17 +22,18 @@ bool wanted(const Settings& settings, const lab_data::Test& test) {
     return settings.tests.empty() || std::ranges::find(settings.tests, kind) != settings.tests.end();
 }
 
-lab_data::UserError no_reading(const lab_data::Test& test) {
+lab_data::UserError no_reading(const lab_data::Sample& sample, const lab_data::Test& test) {
+    const std::string file = (sample.folder / test.file).string();
     if (test.kind == lab_data::TestKind::oedometer)
-        return lab_data::UserError({.file = test.file,
+        return lab_data::UserError({.file = file,
                                     .constraint = "has no reading beyond the seating stress",
                                     .remedy = "give further stages, or a lower seating_stress_kPa"});
     if (test.kind == lab_data::TestKind::direct_shear)
         return lab_data::UserError(
-            {.file = test.file,
+            {.file = file,
              .constraint = "has no reading at a displacement between 0 and 0.4 of the box's length",
              .remedy = "give readings with rising shear_displacement"});
-    return lab_data::UserError({.file = test.file,
+    return lab_data::UserError({.file = file,
                                 .constraint = "has no reading at an axial strain between 0 and 0.5",
                                 .remedy = "give readings with rising axial_strain, compression positive"});
 }
@@ -93,7 +94,7 @@ std::vector<CampaignTest> select_tests(const Settings& settings, const lab_data:
         }
         CampaignTest entry{&test, kind,  kind->readings(test),
                            first, false, target_porosity(settings, sample, test)};
-        if (entry.readings.empty()) throw no_reading(test);
+        if (entry.readings.empty()) throw no_reading(sample, test);
         warn_of_particles(settings, test,
                           kind->shape(settings, sample, test, entry.porosity,
                                       static_cast<std::uint32_t>(settings.particles)),
@@ -197,7 +198,7 @@ std::vector<std::string> check_tests(const Settings& settings, const lab_data::S
     for (const lab_data::Test& test : sample.tests) {
         if (!wanted(settings, test)) continue;
         const LabTestKind& kind = lab_test(test.kind);
-        if (kind.readings(test).empty()) throw no_reading(test);
+        if (kind.readings(test).empty()) throw no_reading(sample, test);
         warn_of_particles(
             settings, test,
             kind.shape(settings, sample, test, any_porosity, static_cast<std::uint32_t>(settings.particles)),

@@ -41,7 +41,7 @@ Eigen::Vector3d box_in_diameters(const Settings& settings, const lab_data::Sampl
     if (diameter > 0 && test.box_length / diameter <= longest) {
         if (test.box_length < fewest_diameters * diameter)
             throw lab_data::UserError(
-                {.file = test.file,
+                {.file = (sample.folder / "sample.toml").string(),
                  .column = "box_length_mm",
                  .value = fmt::format("{:.4g}", 1000 * test.box_length),
                  .constraint = fmt::format("is less than ten particles of {:.3g} mm, the size of the grading",
