@@ -152,6 +152,17 @@ std::string resolve_sample(Draft& draft) {
     return sample.name;
 }
 
+/// Demands that the covariate by which samples are paired is there: without it they are not.
+void check_pairing(const Draft& draft, const lab_data::DataSet& set) {
+    const std::string& name = draft.settings.bulk.paired_by;
+    const std::vector<std::string_view> valid(set.covariates.begin(), set.covariates.end());
+    if (name.empty() || std::ranges::find(valid, name) != valid.end()) return;
+    throw fault_at(
+        origin_of(draft.origins, "bulk.paired_by"), name,
+        fmt::format("is not a covariate of the data set {}", set.name),
+        valid.empty() ? "leave it out: the data set has none" : lab_data::suggest_name(name, valid));
+}
+
 /// Likewise a data set; one ensemble for all its samples is larger, and is run faster, than one sample's.
 std::string resolve_data_set(Draft& draft) {
     Settings& settings = draft.settings;
@@ -170,6 +181,7 @@ std::string resolve_data_set(Draft& draft) {
             throw fault_at(origin_of(draft.origins, "tests"), kind,
                            fmt::format("is not the kind of the data set {}", set.name),
                            fmt::format("its tests are of kind {}: leave it out", to_string(set.kind)));
+    check_pairing(draft, set);
     set.folder = fs::absolute(set.folder).lexically_normal();
     settings.sample = fs::weakly_canonical(settings.sample);
     settings.inputs_digest = digest_of_inputs(set);

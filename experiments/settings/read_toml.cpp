@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <toml++/toml.h>
 
 #include <algorithm>
@@ -97,6 +98,7 @@ class TomlReader {
             else
                 read_section(name, *table);
         }
+        refuse_priors_of_fixed(root);
     }
 
   private:
@@ -140,6 +142,18 @@ class TomlReader {
             }
             assign(*field, key, node);
         }
+    }
+
+    /// A prior that the same file makes void is a mistake; an option may make it so.
+    void refuse_priors_of_fixed(const toml::table& root) const {
+        const toml::table* const fixed = root["set"].as_table();
+        const toml::table* const priors = root["priors"].as_table();
+        if (!fixed || !priors) return;
+        for (const auto& [key, node] : *priors)
+            if (fixed->contains(key.str()))
+                throw fault_at(at(key, fmt::format("priors.{}", key.str())), "",
+                               fmt::format("contradicts set.{}, which holds the parameter fixed", key.str()),
+                               "leave one of the two out");
     }
 
     double number(const toml::node& node, const Origin& origin) const {

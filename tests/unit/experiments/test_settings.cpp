@@ -145,6 +145,16 @@ TEST(Settings, FixingAParameterDropsItsPriorWhateverTheFileSays) {
     EXPECT_EQ(settings.priors.size(), 4u);
 }
 
+TEST(Settings, AnOptionFixesWhatTheFileHasAPriorOf) {
+    Draft draft;
+    read_toml(draft, "[priors.young_modulus]\nsd = 0.3\n[set]\nfriction_angle = 0.5", "conf.toml");
+    read_override(draft, {"set", "young_modulus=3e8"});
+    const Settings settings = complete(draft);
+    EXPECT_DOUBLE_EQ(settings.set.at("young_modulus"), 3e8);
+    // As the run's own configuration it can be read again.
+    EXPECT_EQ(from_text(to_toml(settings)), settings);
+}
+
 TEST(Settings, PathsOfAFileAreRelativeToItsFolder) {
     Draft draft;
     read_toml(draft, "sample = \"../soils/a\"\nout = \"/runs/x\"", "/home/me/conf/run.toml");
@@ -243,6 +253,10 @@ INSTANTIATE_TEST_SUITE_P(
         BadSetting{"[priors.young_modulus]\nupper = 1e20", "must lie in the law's range"},
         BadSetting{"[priors.young_modulus]\nlower = 1e9\nupper = 1e8",
                    "conf.toml:2:1: key 'priors.young_modulus.lower': value '1000000000' must be below upper"},
+        BadSetting{"[set]\nyoung_modulus = 1e8\n[priors.young_modulus]\nsd = 0.3",
+                   "conf.toml:3:9: key 'priors.young_modulus' contradicts set.young_modulus, which holds the "
+                   "parameter fixed; leave one of the two out"},
+        BadSetting{"[priors.young_modulus]\n[set]\nyoung_modulus = 1e8", "contradicts set.young_modulus"},
         BadSetting{"[priors.friction_angle]\nkind = \"loguniform\"\nlower = 0",
                    "must be above 0 for a loguniform prior"}));
 

@@ -7,6 +7,7 @@
 #include "experiments/settings/reading.hpp"
 #include "experiments/settings/run_folder.hpp"
 #include "experiments/settings/writing.hpp"
+#include "lab_data/data_set.hpp"
 #include "lab_data/user_error.hpp"
 
 namespace loam::experiments {
@@ -200,6 +201,21 @@ TEST_F(InFolder, APathThatIsNotUtf8IsRefusedBeforeAnyRun) {
               std::string::npos);
     fs::current_path(before);
     EXPECT_EQ(complaint_of([&] { settings({{"out", (folder / "caf\xc3\xa9").string()}}); }), "");
+}
+
+TEST_F(InFolder, SamplesArePairedByACovariateThatIsThere) {
+    const fs::path set = fs::path(LOAM_SOURCE_DIR) / "lab_data/sets/flanders_twin_125";
+    const auto said = [&](const std::string& name) {
+        std::ofstream(folder / "bulk.toml") << "[bulk]\npaired_by = \"" << name << "\"\n";
+        return complaint_of([&] { read_settings("bulk", folder / "bulk.toml", {{"sample", set.string()}}); });
+    };
+    const std::string covariate = lab_data::read_data_set(set).covariates.at(0);
+    EXPECT_EQ(said(covariate), "");
+    EXPECT_EQ(said(""), "");
+    const std::string wrong = said(covariate + "s");
+    EXPECT_NE(wrong.find("bulk.toml:2:1: key 'bulk.paired_by'"), std::string::npos) << wrong;
+    EXPECT_NE(wrong.find("is not a covariate of the data set"), std::string::npos) << wrong;
+    EXPECT_NE(wrong.find("did you mean '" + covariate + "'?"), std::string::npos) << wrong;
 }
 
 TEST_F(InFolder, OneProcessAtATime) {

@@ -160,6 +160,7 @@ class WrongSettings(ProgramTest):
                            ("[engine]\ndampign = 0.3\n", "bad.toml:2:1: key 'dampign' is not a setting; did you mean 'damping'?"),
                            ("[engine]\ndamping = 2\n", "bad.toml:2:1: key 'engine.damping': value '2' must be at least 0 and below 1"),
                            ("a" + ".a" * 100_000 + " = 1\n", "bad.toml:1: has a key of more than 16 parts"),
+                           ("[set]\nyoung_modulus = 1e8\n[priors.young_modulus]\nsd = 0.3\n", "bad.toml:3:9: key 'priors.young_modulus' contradicts"),
                            ("particles = '700'\n", "bad.toml:1:1: key 'particles': value ''700'' must be an integer")]:
             with self.subTest(text=text):
                 bad = self.file("bad.toml", text)
