@@ -144,6 +144,9 @@ class WrongSettings(ProgramTest):
     def test_a_path_that_cannot_be(self):
         loop = self.folder / "loop"
         loop.symlink_to(loop)
+        astray = self.folder / "astray"
+        astray.symlink_to(self.folder / "nowhere")
+        self.refused("calibrate", SAND, "--out", astray, says=["astray: cannot be written", "choose a folder"])
         for path, says in [("a" * 300, "File name too long"), (loop, "Too many levels of symbolic links")]:
             self.refused("calibrate", SAND, "--out", path, says=says)
             self.refused("report", path, says=says)
