@@ -22,17 +22,18 @@ bool wanted(const Settings& settings, const lab_data::Test& test) {
     return settings.tests.empty() || std::ranges::find(settings.tests, kind) != settings.tests.end();
 }
 
-lab_data::UserError no_reading(const lab_data::Test& test) {
+lab_data::UserError no_reading(const lab_data::Sample& sample, const lab_data::Test& test) {
+    const std::string file = (sample.folder / test.file).string();
     if (test.kind == lab_data::TestKind::oedometer)
-        return lab_data::UserError({.file = test.file,
+        return lab_data::UserError({.file = file,
                                     .constraint = "has no reading beyond the seating stress",
                                     .remedy = "give further stages, or a lower seating_stress_kPa"});
     if (test.kind == lab_data::TestKind::direct_shear)
         return lab_data::UserError(
-            {.file = test.file,
+            {.file = file,
              .constraint = "has no reading at a displacement between 0 and 0.4 of the box's length",
              .remedy = "give readings with rising shear_displacement"});
-    return lab_data::UserError({.file = test.file,
+    return lab_data::UserError({.file = file,
                                 .constraint = "has no reading at an axial strain between 0 and 0.5",
                                 .remedy = "give readings with rising axial_strain, compression positive"});
 }
@@ -53,6 +54,18 @@ void warn_of_densities(const std::vector<const lab_data::Test*>& tests, std::vec
         fmt::format("initial void ratios span {:.3f} ({}) to {:.3f} ({}): one parameter set has to "
                     "describe both",
                     of(*densest), densest->file, of(*loosest), loosest->file));
+}
+
+/// Boxes are made in the measured proportions. With a side that is wrong, as by its unit, they take far more
+/// particles, and time, than was asked for.
+void warn_of_particles(const Settings& settings, const lab_data::Test& test, const SpecimenShape& shape,
+                       std::vector<std::string>& warnings) {
+    constexpr double far_more = 10;
+    if (shape.particles <= far_more * settings.particles) return;
+    warnings.push_back(
+        fmt::format("{}: the proportions of its box (box_length_mm, box_width_mm, box_height_mm) make a "
+                    "specimen of {} particles, where {} are asked for",
+                    test.file, shape.particles, settings.particles));
 }
 
 /// Packing files hold periodic cells: what lies in a box cannot be loaded from them.
@@ -81,7 +94,11 @@ std::vector<CampaignTest> select_tests(const Settings& settings, const lab_data:
         }
         CampaignTest entry{&test, kind,  kind->readings(test),
                            first, false, target_porosity(settings, sample, test)};
-        if (entry.readings.empty()) throw no_reading(test);
+        if (entry.readings.empty()) throw no_reading(sample, test);
+        warn_of_particles(settings, test,
+                          kind->shape(settings, sample, test, entry.porosity,
+                                      static_cast<std::uint32_t>(settings.particles)),
+                          warnings);
         if (entry.readings.size() < test.size() / 2)
             warnings.push_back(fmt::format("{}: {} of {} readings are used, spread along the curve",
                                            test.file, entry.readings.size(), test.size()));
@@ -176,14 +193,16 @@ double keep_reached(VirtualTestResult& result) {
 
 std::vector<std::string> check_tests(const Settings& settings, const lab_data::Sample& sample) {
     constexpr double any_porosity = 0.4;
-    constexpr std::uint32_t any_number = 700;
     std::vector<std::string> warnings;
     std::vector<const lab_data::Test*> selected;
     for (const lab_data::Test& test : sample.tests) {
         if (!wanted(settings, test)) continue;
         const LabTestKind& kind = lab_test(test.kind);
-        if (kind.readings(test).empty()) throw no_reading(test);
-        kind.shape(settings, sample, test, any_porosity, any_number);
+        if (kind.readings(test).empty()) throw no_reading(sample, test);
+        warn_of_particles(
+            settings, test,
+            kind.shape(settings, sample, test, any_porosity, static_cast<std::uint32_t>(settings.particles)),
+            warnings);
         target_porosity(settings, sample, test);
         selected.push_back(&test);
     }

@@ -95,7 +95,8 @@ std::vector<std::size_t> direct_shear_readings(const lab_data::Test& test);
 /// but for a servo's lag (20 %): the strength is in proportion to it. Else nothing.
 std::vector<PlatenPressure> measured_pressures(const lab_data::Test& test);
 /// A box as long, wide and high as the measured one in particles, where the sample's grading says how large
-/// they are and it is not too many; else one of the same proportions.
+/// they are and it is not too many; else one of the same proportions. Throws lab_data::UserError where that
+/// takes more particles than a specimen can have, or the box is shorter than ten of them.
 SpecimenShape direct_shear_specimen(const Settings& settings, const lab_data::Sample& sample,
                                     const lab_data::Test& test, double porosity, std::uint32_t particles);
 VirtualTestResult run_measured_direct_shear(const Specimen& specimen, const engine::ContactLaw& law,

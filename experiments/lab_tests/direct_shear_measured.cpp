@@ -21,6 +21,7 @@ constexpr double usual_length = 14, least_height = 6;  // of made boxes, in diam
 constexpr double longest = 20;    // of a box that is made as it was measured, in diameters
 constexpr double most_lag = 0.2;  // of the recorded normal stress, beyond which it is not that of the plane
 constexpr std::uint32_t usual_particles = 700;
+constexpr double most_particles = 2e6;  // of any specimen
 
 /// Diameter of the mean particle of a specimen whose median size by mass is that of the grading (m); 0 where
 /// no grading is stated.
@@ -40,7 +41,7 @@ Eigen::Vector3d box_in_diameters(const Settings& settings, const lab_data::Sampl
     if (diameter > 0 && test.box_length / diameter <= longest) {
         if (test.box_length < fewest_diameters * diameter)
             throw lab_data::UserError(
-                {.file = test.file,
+                {.file = (sample.folder / "sample.toml").string(),
                  .column = "box_length_mm",
                  .value = fmt::format("{:.4g}", 1000 * test.box_length),
                  .constraint = fmt::format("is less than ten particles of {:.3g} mm, the size of the grading",
@@ -51,6 +52,21 @@ Eigen::Vector3d box_in_diameters(const Settings& settings, const lab_data::Sampl
     const double size = std::cbrt(static_cast<double>(particles) / usual_particles);
     const double length = std::max(usual_length, least_height * test.box_length / test.box_height);
     return sides * (std::max(fewest_diameters, size * length) / test.box_length);
+}
+
+/// What is wrong is not the number but a side of the box, as a rule by its unit.
+lab_data::UserError too_many_particles(double count, const Settings& settings, const lab_data::Sample& sample,
+                                       const lab_data::Test& test) {
+    return lab_data::UserError(
+        {.file = (sample.folder / "sample.toml").string(),
+         .column = "box_length_mm, box_width_mm, box_height_mm",
+         .value = fmt::format("{:.6g}, {:.6g}, {:.6g}", 1000 * test.box_length, 1000 * test.box_width,
+                              1000 * test.box_height),
+         .constraint = fmt::format("make the specimen of {} one of {:.6g} particles, more than {:.0f}",
+                                   test.file, count, most_particles),
+         .remedy = settings.direct_shear.box_diameters
+                       ? "correct the box, or lower direct_shear.box_diameters"
+                       : "correct the box, or ask for fewer particles"});
 }
 
 DirectShearOptions direct_shear_options(const Settings& settings, const lab_data::Test& test) {
@@ -97,6 +113,7 @@ SpecimenShape direct_shear_specimen(const Settings& settings, const lab_data::Sa
     const double spread = settings.specimen.size_spread;
     const double particle = std::numbers::pi / 6 * (1 + spread * spread);  // mean volume over diameter cubed
     const double count = std::round((1 - porosity) * sides.prod() / particle);
+    if (!(count <= most_particles)) throw too_many_particles(count, settings, sample, test);
     return {static_cast<std::uint32_t>(std::max(100.0, count)), sides / sides.maxCoeff()};
 }
 

@@ -34,6 +34,7 @@ void throw_write_error(const std::filesystem::path& path, int error) {
         case EPERM:
         case EROFS:
         case ENOENT:
+        case EEXIST:  // a link that leads nowhere stands where a folder is to be made
         case ENOTDIR:
         case EISDIR:
         case ENAMETOOLONG:

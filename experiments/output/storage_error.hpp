@@ -14,8 +14,9 @@ class StorageError : public std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-/// Throws lab_data::UserError where another place would do (no such folder, no permission, read-only), and
-/// StorageError otherwise. `error` is the value of errno left by an attempt to write `path`.
+/// Throws lab_data::UserError where another place would do (no such folder, something else there, no
+/// permission, read-only), and StorageError otherwise. `error` is the value of errno left by an attempt to
+/// write `path`.
 [[noreturn]] void throw_write_error(const std::filesystem::path& path, int error);
 
 /// Throws lab_data::UserError: `path` could not be read, `error` is the value of errno.

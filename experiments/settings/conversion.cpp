@@ -7,11 +7,17 @@
 namespace loam::experiments {
 namespace {
 
+/// No error: the whole text is a number. result_out_of_range: it is, but one that the type cannot hold.
 template <class Number>
-bool parse_whole(std::string_view text, Number& value) {
+std::errc parse(std::string_view text, Number& value) {
     const char* const end = text.data() + text.size();
     const auto [stop, error] = std::from_chars(text.data(), end, value);
-    return error == std::errc() && stop == end && !text.empty();
+    return stop == end && !text.empty() ? error : std::errc::invalid_argument;
+}
+
+template <class Number>
+bool parse_whole(std::string_view text, Number& value) {
+    return parse(text, value) == std::errc();
 }
 
 /// Assigns text to the value that a slot points to, by its type.
@@ -25,9 +31,9 @@ struct FromText {
             throw fault_at(origin, std::string(text), "must be true or false", "");
         *slot = text == "true";
     }
-    void operator()(int* slot) const { *slot = fitted<int>(integer_of(text, origin), field, origin); }
+    void operator()(int* slot) const { *slot = fitted<int>(integer_of(text, field, origin), field, origin); }
     void operator()(std::uint64_t* slot) const {
-        *slot = fitted<std::uint64_t>(integer_of(text, origin), field, origin);
+        *slot = fitted<std::uint64_t>(integer_of(text, field, origin), field, origin);
     }
     void operator()(double* slot) const { *slot = number_of(text, origin); }
     void operator()(std::optional<double>* slot) const { *slot = number_of(text, origin); }
@@ -62,9 +68,12 @@ double number_of(std::string_view text, const Origin& origin) {
                    comma ? "write " + pointed : "write it as 0.4 or 1.5e8");
 }
 
-std::int64_t integer_of(std::string_view text, const Origin& origin) {
+std::int64_t integer_of(std::string_view text, const Field& field, const Origin& origin) {
     std::int64_t value = 0;
-    if (parse_whole(text, value)) return value;
+    const std::errc error = parse(text, value);
+    if (error == std::errc()) return value;
+    if (error == std::errc::result_out_of_range)
+        throw fault_at(origin, std::string(text), "must be an integer and " + field.limits.text(), "");
     throw fault_at(origin, std::string(text), "must be an integer", "write it in digits, as 700");
 }
 

@@ -20,8 +20,9 @@ lab_data::UserError fault_at(const Origin& origin, std::string value, std::strin
 /// The whole text as a finite number with a decimal point. Throws UserError.
 double number_of(std::string_view text, const Origin& origin);
 
-/// The whole text as an integer. Throws UserError.
-std::int64_t integer_of(std::string_view text, const Origin& origin);
+/// The whole text as an integer for the field. Throws UserError; one too large for any integer breaks the
+/// field's limits.
+std::int64_t integer_of(std::string_view text, const Field& field, const Origin& origin);
 
 /// "a,b" as {a, b}; an empty item is a mistake. Throws UserError.
 std::vector<std::string> list_of(std::string_view text, const Origin& origin);

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 
 #include "experiments/effects/model_effects.hpp"
 #include "experiments/workflows/benchmarks/other_codes.hpp"
@@ -18,6 +20,7 @@ namespace {
 using Names = std::vector<std::string_view>;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr auto largest_integer = static_cast<double>(std::numeric_limits<std::int64_t>::max());
 constexpr Limits above_zero{.lower = 0, .open_lower = true};
 constexpr Limits packable{.lower = 0.05, .upper = 0.6, .open_lower = true, .open_upper = true};
 constexpr Limits up_to_one{.lower = 0, .upper = 1, .open_lower = true};
@@ -111,7 +114,7 @@ const std::array table{
     Field{"", "out", [](Settings& s) -> Slot { return &s.out; },
           "folder of the run (default: runs/VERB-NAME)", {}, nullptr, "DIR", Resuming::may_differ},
     Field{"", "seed", [](Settings& s) -> Slot { return &s.seed; },
-          "of all random numbers", {.lower = 0, .upper = 9223372036854775807.0}, nullptr, "N"},
+          "of all random numbers", {.lower = 0, .upper = largest_integer}, nullptr, "N"},
     Field{"", "jobs", [](Settings& s) -> Slot { return &s.jobs; },
           "simulations at once; 0: one a core", count(0, 4096), nullptr, "N", Resuming::may_differ},
     Field{"", "quiet", [](Settings& s) -> Slot { return &s.quiet; },
@@ -187,7 +190,7 @@ const std::array table{
     Field{"calibration", "posterior_draws", [](Settings& s) -> Slot { return &s.calibration.posterior_draws; },
           "kept draws of the posterior", count(100, 1e7)},
     Field{"calibration", "specimen_particles", [](Settings& s) -> Slot { return &s.calibration.specimen_particles; },
-          "particles in the measured specimen, whose scatter they set; 0: countless if measured, as the runs if synthetic", count(0, 1e12)},
+          "particles in the measured specimen, whose scatter they set; 0: countless if measured, as the runs if synthetic", count(0, std::numeric_limits<int>::max())},
     Field{"bulk", "void_ratio", [](Settings& s) -> Slot { return &s.bulk.void_ratio; },
           "initial void ratio of each sample as an input of the emulator; auto: where packings can reach it", {}, three_ways},
     Field{"bulk", "paired_by", [](Settings& s) -> Slot { return &s.bulk.paired_by; },
@@ -224,10 +227,14 @@ bool Limits::contain(double value) const {
 }
 
 std::string Limits::text() const {
+    // No double is the largest integer itself.
+    const std::string most = upper == largest_integer
+                                 ? fmt::format("{}", std::numeric_limits<std::int64_t>::max())
+                                 : fmt::format("{}", upper);
     std::string text = "must be ";
     if (lower > -infinity) text += fmt::format("{} {}", open_lower ? "above" : "at least", lower);
     if (lower > -infinity && upper < infinity) text += " and ";
-    if (upper < infinity) text += fmt::format("{} {}", open_upper ? "below" : "at most", upper);
+    if (upper < infinity) text += fmt::format("{} {}", open_upper ? "below" : "at most", most);
     if (lower == -infinity && upper == infinity) text += "a finite number";
     return text;
 }

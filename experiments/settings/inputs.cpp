@@ -12,6 +12,7 @@
 #include "experiments/settings/conversion.hpp"
 #include "experiments/settings/validation.hpp"
 #include "lab_data/nearest_name.hpp"
+#include "lab_data/utf8.hpp"
 
 namespace loam::experiments {
 namespace {
@@ -151,6 +152,17 @@ std::string resolve_sample(Draft& draft) {
     return sample.name;
 }
 
+/// Demands that the covariate by which samples are paired is there: without it they are not.
+void check_pairing(const Draft& draft, const lab_data::DataSet& set) {
+    const std::string& name = draft.settings.bulk.paired_by;
+    const std::vector<std::string_view> valid(set.covariates.begin(), set.covariates.end());
+    if (name.empty() || std::ranges::find(valid, name) != valid.end()) return;
+    throw fault_at(
+        origin_of(draft.origins, "bulk.paired_by"), name,
+        fmt::format("is not a covariate of the data set {}", set.name),
+        valid.empty() ? "leave it out: the data set has none" : lab_data::suggest_name(name, valid));
+}
+
 /// Likewise a data set; one ensemble for all its samples is larger, and is run faster, than one sample's.
 std::string resolve_data_set(Draft& draft) {
     Settings& settings = draft.settings;
@@ -169,6 +181,7 @@ std::string resolve_data_set(Draft& draft) {
             throw fault_at(origin_of(draft.origins, "tests"), kind,
                            fmt::format("is not the kind of the data set {}", set.name),
                            fmt::format("its tests are of kind {}: leave it out", to_string(set.kind)));
+    check_pairing(draft, set);
     set.folder = fs::absolute(set.folder).lexically_normal();
     settings.sample = fs::weakly_canonical(settings.sample);
     settings.inputs_digest = digest_of_inputs(set);
@@ -177,7 +190,27 @@ std::string resolve_data_set(Draft& draft) {
     return set.name;
 }
 
+/// The paths of a run, as the user wrote them or as they have become.
+void demand_utf8_paths(const Draft& draft) {
+    const Settings& settings = draft.settings;
+    for (const auto& [path, name] :
+         {std::pair{&settings.sample, "sample"}, std::pair{&settings.packing, "packing"},
+          std::pair{&settings.out, "out"}})
+        demand_utf8(*path, origin_of(draft.origins, name));
+}
+
 }  // namespace
+
+void demand_utf8(const fs::path& path, const Origin& origin) {
+    const std::string& text = path.native();
+    for (std::size_t i = 0; i < text.size();) {
+        const std::size_t length = lab_data::utf8_character_length(std::string_view(text).substr(i));
+        if (length == 0)
+            throw fault_at(origin, text, "is not UTF-8, as results that name it must be",
+                           "rename what is so called, or give another path");
+        i += length;
+    }
+}
 
 std::string digest_of_inputs(const lab_data::Sample& sample, const fs::path& packing) {
     std::vector<fs::path> files;
@@ -202,6 +235,7 @@ std::string digest_of_inputs(const lab_data::DataSet& set) {
 
 void resolve_inputs(Draft& draft) {
     Settings& settings = draft.settings;
+    demand_utf8_paths(draft);
     std::string name = settings.benchmark;
     if (settings.verb != "bench") {
         if (settings.sample.empty())
@@ -212,6 +246,7 @@ void resolve_inputs(Draft& draft) {
     }
     if (settings.out.empty()) settings.out = fs::path("runs") / as_file_name(settings.verb + "-" + name);
     settings.out = fs::weakly_canonical(fs::absolute(settings.out));
+    demand_utf8_paths(draft);
 }
 
 }  // namespace loam::experiments

@@ -17,6 +17,9 @@ std::string digest_of_inputs(const lab_data::Sample& sample, const std::filesyst
 /// Likewise of a data set; of a curve that is missing only that it is.
 std::string digest_of_inputs(const lab_data::DataSet& set);
 
+/// Throws UserError for a path that is not UTF-8: results, configurations and messages, which are, name it.
+void demand_utf8(const std::filesystem::path& path, const Origin& origin);
+
 /// Reads the sample or data set that the draft names, checks hold_out and tests against it, and fills in what
 /// follows from it: absolute paths, the digest, and `out` if it is not stated. Throws UserError.
 void resolve_inputs(Draft& draft);

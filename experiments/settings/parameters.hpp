@@ -35,8 +35,8 @@ void add_effect(Settings& settings, const ModelEffect& effect);
 std::vector<engine::ParameterInfo> model_parameters(const Settings& settings);
 
 /// Fills settings.priors: for every parameter that is not fixed, its default with what the draft states. A
-/// parameter that is held unless a prior is stated goes to settings.set. A stated prior of a fixed parameter
-/// is ignored. The law must exist. Throws UserError.
+/// parameter that is held unless a prior is stated goes to settings.set. A stated prior of a parameter
+/// that an option fixes is ignored. The law must exist. Throws UserError.
 void complete_priors(Settings& settings, const Draft& draft);
 
 /// Checks that the effects, which must exist, have the rotation that they need. Throws UserError.

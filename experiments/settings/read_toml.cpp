@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <toml++/toml.h>
 
 #include <algorithm>
@@ -62,10 +63,15 @@ struct FromToml {
     }
     void operator()(std::vector<std::string>* slot) const {
         slot->clear();
-        if (node.is_string()) return slot->push_back(**node.as_string());
+        if (node.is_string()) return add_item(*slot, node);
         if (!node.is_array() || (!node.as_array()->empty() && !node.is_homogeneous(toml::node_type::string)))
             throw wrong_type("must be a list of texts in quotes");
-        for (const toml::node& item : *node.as_array()) slot->push_back(**item.as_string());
+        for (const toml::node& item : *node.as_array()) add_item(*slot, item);
+    }
+    void add_item(std::vector<std::string>& items, const toml::node& item) const {
+        items.push_back(**item.as_string());
+        if (items.back().empty())
+            throw fault_at(origin, text_of(node), "has an empty item", "fill it in, or leave it out");
     }
 };
 
@@ -92,6 +98,7 @@ class TomlReader {
             else
                 read_section(name, *table);
         }
+        refuse_priors_of_fixed(root);
     }
 
   private:
@@ -135,6 +142,18 @@ class TomlReader {
             }
             assign(*field, key, node);
         }
+    }
+
+    /// A prior that the same file makes void is a mistake; an option may make it so.
+    void refuse_priors_of_fixed(const toml::table& root) const {
+        const toml::table* const fixed = root["set"].as_table();
+        const toml::table* const priors = root["priors"].as_table();
+        if (!fixed || !priors) return;
+        for (const auto& [key, node] : *priors)
+            if (fixed->contains(key.str()))
+                throw fault_at(at(key, fmt::format("priors.{}", key.str())), "",
+                               fmt::format("contradicts set.{}, which holds the parameter fixed", key.str()),
+                               "leave one of the two out");
     }
 
     double number(const toml::node& node, const Origin& origin) const {

@@ -6,6 +6,7 @@
 #include "experiments/settings/conversion.hpp"
 #include "experiments/settings/inputs.hpp"
 #include "experiments/settings/parameters.hpp"
+#include "experiments/settings/run_folder.hpp"
 #include "experiments/settings/validation.hpp"
 
 namespace loam::experiments {
@@ -81,12 +82,15 @@ Settings read_configuration(const std::filesystem::path& file) {
 Settings read_settings(std::string_view verb, const std::filesystem::path& configuration,
                        const std::vector<Override>& overrides) {
     Draft draft;
+    demand_utf8(configuration, {.name = "--config"});
     if (!configuration.empty()) read_toml(draft, read_whole_file(configuration), configuration);
     read_override(draft, {"verb", std::string(verb)});
     for (const Override& given : overrides) read_override(draft, given);
     complete(draft);  // mistakes of the settings show before those of the data
     resolve_inputs(draft);
-    return complete(draft);
+    Settings settings = complete(draft);
+    spare_configuration(configuration, settings);
+    return settings;
 }
 
 }  // namespace loam::experiments

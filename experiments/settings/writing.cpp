@@ -99,7 +99,8 @@ std::string first_difference_of(const Map& a, const Map& b) {
 }  // namespace
 
 std::string to_toml(const Settings& settings) {
-    std::string text = "# Every setting of this run. Relative paths are relative to this file's folder.\n";
+    std::string text(first_words);
+    text += " Relative paths are relative to this file's folder.\n";
     text += section_text("", settings) + parameters_text(settings);
     for (const std::string_view section : sections()) text += section_text(section, settings);
     return text;

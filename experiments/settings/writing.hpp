@@ -2,10 +2,14 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "experiments/settings/settings.hpp"
 
 namespace loam::experiments {
+
+/// What a configuration written here begins with; one that does not is the user's own.
+inline constexpr std::string_view first_words = "# Every setting of this run.";
 
 /// Every effective setting with its meaning as a comment. Reading it back gives the same settings.
 std::string to_toml(const Settings& settings);

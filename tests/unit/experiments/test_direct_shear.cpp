@@ -223,8 +223,43 @@ TEST(DirectShearSpecimen, OfTooCoarseASoilIsRefused) {
     for (lab_data::GradingPoint& point : twin.grading) point.sieve *= 2;
     for (const lab_data::Test& test : twin.tests) {
         if (test.kind != lab_data::TestKind::direct_shear) continue;
-        EXPECT_THROW(direct_shear_specimen({}, twin, test, 0.44, 700), lab_data::UserError);
+        try {
+            direct_shear_specimen({}, twin, test, 0.44, 700);
+            ADD_FAILURE() << test.file;
+        } catch (const lab_data::UserError& error) {  // where the key is, not where the curve is
+            EXPECT_EQ(error.file(), (twin.folder / "sample.toml").string());
+            EXPECT_EQ(error.column(), "box_length_mm");
+        }
     }
+}
+
+TEST(DirectShearSpecimen, OfMoreParticlesThanCanBeIsTheBoxesFault) {
+    lab_data::Sample sample;
+    sample.folder = "soil";
+    lab_data::Test test;
+    test.file = "shear.csv";
+    test.box_length = test.box_width = 0.06;
+    const auto said = [&](const Settings& settings) -> std::string {
+        try {
+            direct_shear_specimen(settings, sample, test, 0.4, 700);
+        } catch (const lab_data::UserError& error) {
+            return error.what();
+        }
+        return "";
+    };
+    test.box_height = 0.025;
+    EXPECT_EQ(said({}), "");
+    test.box_height = 100;
+    EXPECT_NE(said({}).find("soil/sample.toml: key 'box_length_mm, box_width_mm, box_height_mm': value '60, "
+                            "60, 100000' make the specimen of shear.csv one of "),
+              std::string::npos)
+        << said({});
+    test.box_height = 2.5e-200;
+    EXPECT_NE(said({}).find("particles, more than 2000000; correct the box"), std::string::npos) << said({});
+    test.box_height = 0.06;
+    Settings settings;
+    settings.direct_shear.box_diameters = 200;
+    EXPECT_NE(said(settings).find("lower direct_shear.box_diameters"), std::string::npos) << said(settings);
 }
 
 TEST(TriaxialSpecimen, StandsBetweenWallsWhereTheSettingsSaySo) {

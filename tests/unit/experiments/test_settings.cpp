@@ -145,6 +145,16 @@ TEST(Settings, FixingAParameterDropsItsPriorWhateverTheFileSays) {
     EXPECT_EQ(settings.priors.size(), 4u);
 }
 
+TEST(Settings, AnOptionFixesWhatTheFileHasAPriorOf) {
+    Draft draft;
+    read_toml(draft, "[priors.young_modulus]\nsd = 0.3\n[set]\nfriction_angle = 0.5", "conf.toml");
+    read_override(draft, {"set", "young_modulus=3e8"});
+    const Settings settings = complete(draft);
+    EXPECT_DOUBLE_EQ(settings.set.at("young_modulus"), 3e8);
+    // As the run's own configuration it can be read again.
+    EXPECT_EQ(from_text(to_toml(settings)), settings);
+}
+
 TEST(Settings, PathsOfAFileAreRelativeToItsFolder) {
     Draft draft;
     read_toml(draft, "sample = \"../soils/a\"\nout = \"/runs/x\"", "/home/me/conf/run.toml");
@@ -190,6 +200,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadSetting{"particles = 10", "key 'particles': value '10' must be at least 100"},
         BadSetting{"particles = 100000000000",
                    "value '100000000000' must be at least 100 and at most 2000000"},
+        BadSetting{"[calibration]\nspecimen_particles = 3000000000",
+                   "value '3000000000' must be at least 0 and at most 2147483647"},
         BadSetting{"seed = -1", "key 'seed': value '-1' must be at least 0"},
         BadSetting{"quiet = 1", "key 'quiet': value '1' must be true or false"},
         BadSetting{"law = 3", "key 'law': value '3' must be text in quotes"},
@@ -201,6 +213,10 @@ INSTANTIATE_TEST_SUITE_P(
                    "value 'oedometre' is not known here; did you mean 'oedometer'?"},
         BadSetting{"tests = [\"oedometer\", \"oedometer\"]", "value 'oedometer' is there twice"},
         BadSetting{"tests = [\"oedometer\", 3]", "must be a list of texts in quotes"},
+        BadSetting{"seed = 3\nhold_out = [\"a.csv\", \"\"]",
+                   "conf.toml:2:1: key 'hold_out': value '[ 'a.csv', '' ]' has an empty item; fill it in"},
+        BadSetting{"hold_out = \"\"", "conf.toml:1:1: key 'hold_out': value "},
+        BadSetting{"hold_out = \"\"", "has an empty item"},
         BadSetting{"effects = [\"rolling_resistance\"]",
                    "value 'rolling_resistance' needs particles that rotate; add --rotation free"},
         BadSetting{"law = \"hertz-mindlin\"\neffects = [\"hertzian_stiffness\"]",
@@ -239,6 +255,10 @@ INSTANTIATE_TEST_SUITE_P(
         BadSetting{"[priors.young_modulus]\nupper = 1e20", "must lie in the law's range"},
         BadSetting{"[priors.young_modulus]\nlower = 1e9\nupper = 1e8",
                    "conf.toml:2:1: key 'priors.young_modulus.lower': value '1000000000' must be below upper"},
+        BadSetting{"[set]\nyoung_modulus = 1e8\n[priors.young_modulus]\nsd = 0.3",
+                   "conf.toml:3:9: key 'priors.young_modulus' contradicts set.young_modulus, which holds the "
+                   "parameter fixed; leave one of the two out"},
+        BadSetting{"[priors.young_modulus]\n[set]\nyoung_modulus = 1e8", "contradicts set.young_modulus"},
         BadSetting{"[priors.friction_angle]\nkind = \"loguniform\"\nlower = 0",
                    "must be above 0 for a loguniform prior"}));
 
@@ -268,6 +288,11 @@ INSTANTIATE_TEST_SUITE_P(
         BadOption{{"particles", ""}, "option '--particles' must be an integer"},
         BadOption{{"runs", "0"}, "option '--runs': value '0' must be at least 1"},
         BadOption{{"jobs", "99999999999999999999"}, "must be an integer"},
+        BadOption{{"jobs", "99999999999999999999"},
+                  "value '99999999999999999999' must be an integer and must be at least 0 and at most 4096"},
+        BadOption{{"particles", "-99999999999999999999"}, "must be at least 100 and at most 2000000"},
+        BadOption{{"seed", "9223372036854775808"}, "must be at least 0 and at most 9223372036854775807"},
+        BadOption{{"seed", "99999999999999999999x"}, "must be an integer; write it in digits"},
         BadOption{{"tests", "oedometer,,triaxial"}, "has an empty item"},
         BadOption{{"hold_out", ""}, "option '--hold-out' has an empty item"},
         BadOption{{"out", ""}, "option '--out' needs a path"},

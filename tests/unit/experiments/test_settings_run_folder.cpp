@@ -7,6 +7,7 @@
 #include "experiments/settings/reading.hpp"
 #include "experiments/settings/run_folder.hpp"
 #include "experiments/settings/writing.hpp"
+#include "lab_data/data_set.hpp"
 #include "lab_data/user_error.hpp"
 
 namespace loam::experiments {
@@ -129,6 +130,92 @@ TEST_F(InFolder, ARunThatCameToNothingLeavesItsPlace) {
     const Settings other = settings({{"seed", "2"}});
     const RunFolder run(other);
     EXPECT_EQ(read_configuration(run.file("config.toml")), other);
+}
+
+/// The whole file.
+std::string text_of(const fs::path& file) {
+    std::ifstream stream(file);
+    return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+TEST_F(InFolder, AConfigurationOfTheUsersOwnIsLeftAlone) {
+    const std::string own = "# my settings\nverb = \"calibrate\"\nparticles = 300\n";
+    const fs::path file = folder / "run/config.toml";
+    fs::create_directory(folder / "run");
+    std::ofstream(file) << own;
+    const auto refused = [&](const auto& action) {
+        const std::string said = complaint_of(action);
+        EXPECT_NE(said.find("holds a config.toml that is not of a run"), std::string::npos) << said;
+        EXPECT_EQ(text_of(file), own);
+    };
+    refused([&] { RunFolder{settings()}; });
+    refused([&] { RunFolder{settings({{"particles", "300"}})}; });
+    const std::vector<Override> given{{"sample", sand.string()}, {"out", (folder / "run").string()}};
+    refused([&] { read_settings("calibrate", file, given); });
+    fs::create_directory_symlink(folder / "run", folder / "link");
+    refused([&] { read_settings("calibrate", folder / "link/config.toml", given); });
+    std::ofstream(folder / "run/notes.txt") << "x";
+    refused([&] { RunFolder{settings()}; });
+    fs::create_directory(folder / "run/.git");
+    refused([&] { RunFolder{settings()}; });
+    // Read from there, it may serve a run elsewhere.
+    EXPECT_EQ(read_settings("calibrate", file, {given[0], {"out", (folder / "new").string()}}).particles,
+              300);
+}
+
+TEST_F(InFolder, ARunsConfigurationThatIsReadIsNotReplaced) {
+    { const RunFolder run(settings()); }
+    const fs::path file = folder / "run/config.toml";
+    std::ofstream(file, std::ios::app) << "# a note\n";
+    const std::string before = text_of(file);
+    const std::string said = complaint_of([&] { read_settings("calibrate", file, {{"seed", "2"}}); });
+    EXPECT_NE(said.find("key 'seed' is 1 in the run stored there and 2 now"), std::string::npos) << said;
+    EXPECT_TRUE(RunFolder(read_settings("calibrate", file, {})).resumed());
+    EXPECT_EQ(text_of(file), before);
+    std::ofstream(folder / "run/ensemble.h5") << "simulations";
+    EXPECT_TRUE(RunFolder(read_settings("calibrate", file, {})).resumed());
+    EXPECT_EQ(text_of(file), before);
+}
+
+TEST_F(InFolder, APathThatIsNotUtf8IsRefusedBeforeAnyRun) {
+    const auto refused = [&](const char* name, const auto& action) {
+        const std::string said = complaint_of(action);
+        EXPECT_NE(said.find(name), std::string::npos) << said;
+        EXPECT_NE(said.find("caf\\xe9' is not UTF-8"), std::string::npos) << said;
+    };
+    const fs::path bad = folder / "caf\xe9";
+    refused("'--out': ", [&] { settings({{"out", bad.string()}}); });
+    refused("'--packing': ", [&] { settings({{"packing", bad.string()}}); });
+    refused("'sample': ", [&] { settings({{"sample", bad.string()}}); });
+    fs::copy(sand, bad);
+    refused("'sample': ", [&] { settings({{"sample", bad.string()}}); });
+    refused("'--config': ", [&] { read_settings("calibrate", bad, {}); });
+    // What a link or the working directory makes of it counts too.
+    fs::create_directory_symlink(bad, folder / "link");
+    refused("'sample': ", [&] { settings({{"sample", (folder / "link").string()}}); });
+    const fs::path before = fs::current_path();
+    fs::current_path(bad);
+    EXPECT_NE(complaint_of([] {
+                  read_settings("calibrate", "", {{"sample", sand.string()}});
+              }).find("UTF-8"),
+              std::string::npos);
+    fs::current_path(before);
+    EXPECT_EQ(complaint_of([&] { settings({{"out", (folder / "caf\xc3\xa9").string()}}); }), "");
+}
+
+TEST_F(InFolder, SamplesArePairedByACovariateThatIsThere) {
+    const fs::path set = fs::path(LOAM_SOURCE_DIR) / "lab_data/sets/flanders_twin_125";
+    const auto said = [&](const std::string& name) {
+        std::ofstream(folder / "bulk.toml") << "[bulk]\npaired_by = \"" << name << "\"\n";
+        return complaint_of([&] { read_settings("bulk", folder / "bulk.toml", {{"sample", set.string()}}); });
+    };
+    const std::string covariate = lab_data::read_data_set(set).covariates.at(0);
+    EXPECT_EQ(said(covariate), "");
+    EXPECT_EQ(said(""), "");
+    const std::string wrong = said(covariate + "s");
+    EXPECT_NE(wrong.find("bulk.toml:2:1: key 'bulk.paired_by'"), std::string::npos) << wrong;
+    EXPECT_NE(wrong.find("is not a covariate of the data set"), std::string::npos) << wrong;
+    EXPECT_NE(wrong.find("did you mean '" + covariate + "'?"), std::string::npos) << wrong;
 }
 
 TEST_F(InFolder, OneProcessAtATime) {

@@ -144,6 +144,9 @@ class WrongSettings(ProgramTest):
     def test_a_path_that_cannot_be(self):
         loop = self.folder / "loop"
         loop.symlink_to(loop)
+        astray = self.folder / "astray"
+        astray.symlink_to(self.folder / "nowhere")
+        self.refused("calibrate", SAND, "--out", astray, says=["astray: cannot be written", "choose a folder"])
         for path, says in [("a" * 300, "File name too long"), (loop, "Too many levels of symbolic links")]:
             self.refused("calibrate", SAND, "--out", path, says=says)
             self.refused("report", path, says=says)
@@ -160,6 +163,7 @@ class WrongSettings(ProgramTest):
                            ("[engine]\ndampign = 0.3\n", "bad.toml:2:1: key 'dampign' is not a setting; did you mean 'damping'?"),
                            ("[engine]\ndamping = 2\n", "bad.toml:2:1: key 'engine.damping': value '2' must be at least 0 and below 1"),
                            ("a" + ".a" * 100_000 + " = 1\n", "bad.toml:1: has a key of more than 16 parts"),
+                           ("[set]\nyoung_modulus = 1e8\n[priors.young_modulus]\nsd = 0.3\n", "bad.toml:3:9: key 'priors.young_modulus' contradicts"),
                            ("particles = '700'\n", "bad.toml:1:1: key 'particles': value ''700'' must be an integer")]:
             with self.subTest(text=text):
                 bad = self.file("bad.toml", text)
@@ -194,6 +198,21 @@ class WrongSettings(ProgramTest):
         self.file("thesis.tex", "x")
         self.refused("calibrate", SAND, "--out", self.folder, says="not the folder of a run")
         self.assertEqual([path.name for path in self.folder.iterdir()], ["thesis.tex"])
+
+    def test_a_path_that_is_not_utf_8(self):
+        self.refused("simulate", SAND, "--out", self.folder / os.fsdecode(b"caf\xe9"), says=["'--out'", "caf\\xe9' is not UTF-8"])
+        self.assertEqual(list(self.folder.iterdir()), [])
+
+    def test_a_configuration_in_the_out_folder_is_not_overwritten(self):
+        text = "# mine\nparticles = 300\n"
+        own = self.file("config.toml", text)
+        for words in (("--config", own), (), ("--packing", SAND / "sample.toml")):
+            with self.subTest(words=words):
+                self.refused("simulate", SAND, "--out", self.folder, *words, says="not the folder of a run")
+                self.assertEqual(own.read_text(encoding="utf-8"), text)
+        (self.folder / ".git").mkdir()
+        self.refused("simulate", SAND, "--out", self.folder, says="not the folder of a run")
+        self.assertEqual(own.read_text(encoding="utf-8"), text)
 
 
 class Check(ProgramTest):
@@ -231,7 +250,8 @@ class Check(ProgramTest):
         self.assertIn("oedometer_1.csv", answer.stdout)
 
     def test_a_configuration_that_a_run_would_refuse(self):
-        for text, says in [('hold_out = ["zz.csv"]', "is not a test of the sample"), ('packing = "absent.csv"', "absent.csv"),
+        for text, says in [('hold_out = ["zz.csv"]', "is not a test of the sample"), ('hold_out = [""]', "bad.toml:2:1: key 'hold_out'"),
+                           ('packing = "absent.csv"', "absent.csv"),
                            ('verb = "crosstest"', "has no direct_shear test"), ('tests = ["direct_shear"]', "is not among the tests")]:
             with self.subTest(text=text):
                 answer = loam("check", self.file("bad.toml", f'sample = "{SAND}"\n{text}\n'))

@@ -188,6 +188,30 @@ class Crosstest(RunTest):
         self.assertEqual(run.returncode, 2, run.stderr)
         self.assertIn("lies between walls", run.stderr)
 
+    def test_a_box_of_a_wrong_size(self):
+        toml = self.sample / "sample.toml"
+        self.settings.write_text(CROSSED.replace("box_diameters = 10", ""), encoding="utf-8")
+        check = [PROGRAM, "check", self.sample]
+        toml.write_text(CROSSED_SAMPLE.replace("box_height_mm = 40", "box_height_mm = 100000"), encoding="utf-8")
+        for run in (self.cross("high"), subprocess.run(check, capture_output=True, text=True, check=False)):
+            self.assertEqual(run.returncode, 2, run.stderr)
+            self.assertIn("sample.toml: key 'box_length_mm, box_width_mm, box_height_mm': value '60, 60, 100000'", run.stderr)
+        self.assertFalse((self.folder / "high").exists())
+        toml.write_text(CROSSED_SAMPLE.replace("box_height_mm = 40", "box_height_mm = 2.5"), encoding="utf-8")
+        run = subprocess.run(check, capture_output=True, text=True, check=False)
+        self.assertEqual(run.returncode, 0, run.stderr)
+        self.assertIn("warning: shear.csv: the proportions of its box", run.stderr)
+        self.assertRegex(run.stderr, r"make a specimen of 13\d\d\d\d particles, where 700 are asked for")
+        toml.write_text(CROSSED_SAMPLE, encoding="utf-8")
+        self.assertNotIn("box", subprocess.run(check, capture_output=True, text=True, check=False).stderr)
+
+    def test_a_curve_without_readings_is_named_with_its_folder(self):
+        head, *_ = CROSSED_CURVES["triaxial.csv"].splitlines()
+        (self.sample / "triaxial.csv").write_text(f"{head}\n0,0,0\n0.6,60,0.002\n0.7,120,0.002\n", encoding="utf-8")
+        for run in (self.cross("none"), subprocess.run([PROGRAM, "check", self.sample], capture_output=True, text=True, check=False)):
+            self.assertEqual(run.returncode, 2, run.stderr)
+            self.assertIn(f"{self.sample / 'triaxial.csv'}: has no reading at an axial strain between 0 and 0.5", run.stderr)
+
     def test_a_box_of_too_few_grains(self):
         toml = self.sample / "sample.toml"
         toml.write_text(CROSSED_SAMPLE.replace("[[test]]", 'grading = "grading.csv"\n[[test]]', 1), encoding="utf-8")
@@ -200,6 +224,7 @@ class Crosstest(RunTest):
         run = subprocess.run([PROGRAM, "check", self.sample], capture_output=True, text=True, check=False)
         self.assertEqual(run.returncode, 2, run.stderr)
         self.assertIn("is less than ten particles", run.stderr)
+        self.assertIn(f"{toml}: key 'box_length_mm': value '60'", run.stderr)
 
 
 class Calibrate(RunTest):
