@@ -192,10 +192,10 @@ class Crosstest(RunTest):
         toml = self.sample / "sample.toml"
         self.settings.write_text(CROSSED.replace("box_diameters = 10", ""), encoding="utf-8")
         check = [PROGRAM, "check", self.sample]
-        toml.write_text(CROSSED_SAMPLE.replace("box_height_mm = 40", "box_height_mm = 100000"), encoding="utf-8")
+        toml.write_text(CROSSED_SAMPLE.replace("box_height_mm = 40", "box_width_mm = 600\nbox_height_mm = 100000"), encoding="utf-8")
         for run in (self.cross("high"), subprocess.run(check, capture_output=True, text=True, check=False)):
             self.assertEqual(run.returncode, 2, run.stderr)
-            self.assertIn("sample.toml: key 'box_length_mm, box_width_mm, box_height_mm': value '60, 60, 100000'", run.stderr)
+            self.assertIn("sample.toml: key 'box_length_mm, box_width_mm, box_height_mm': value '60, 600, 100000'", run.stderr)
         self.assertFalse((self.folder / "high").exists())
         toml.write_text(CROSSED_SAMPLE.replace("box_height_mm = 40", "box_height_mm = 2.5"), encoding="utf-8")
         run = subprocess.run(check, capture_output=True, text=True, check=False)
