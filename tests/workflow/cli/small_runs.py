@@ -51,8 +51,8 @@ class RunTest(unittest.TestCase):
         return subprocess.Popen([PROGRAM, verb, SAND, "--config", self.settings, "--out", self.folder / out, *map(str, words)],
                                 stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
-    def run_it(self, verb, out, *words):
-        process = self.start(verb, out, *words)
+    def run_it(self, *words):
+        process = self.start(*words)
         process.output, process.error = process.communicate(timeout=200)
         return process
 

@@ -8,16 +8,13 @@ import re
 import shutil
 import subprocess
 import sys
-import tempfile
 import time
 import unittest
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../report"))
 import test_report  # noqa: E402
-import validate_result  # noqa: E402
+from small_runs import PROGRAM, RunTest  # noqa: E402
 
-PROGRAM = ""
 FLANDERS = pathlib.Path(__file__).resolve().parents[3] / "lab_data" / "sets" / "flanders_twin_125"
 NAMES = [f"S{k:03}" for k in range(1, 11)]
 
@@ -47,11 +44,9 @@ def without_times(result):
     return {name: value for name, value in result.items() if name not in ("seconds", "parts")}
 
 
-class BulkTest(unittest.TestCase):
+class BulkTest(RunTest):
     def setUp(self):
-        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="loam bulk "))
-        self.addCleanup(shutil.rmtree, self.folder)
-        self.settings = self.folder / "small.toml"
+        super().setUp()
         self.settings.write_text(SMALL, encoding="utf-8")
         self.set = self.folder / "set"
         (self.set / "curves").mkdir(parents=True)
@@ -68,16 +63,6 @@ class BulkTest(unittest.TestCase):
     def start(self, out, *words):
         return subprocess.Popen([PROGRAM, "bulk", self.set, "--config", self.settings, "--out", self.folder / out, *words],
                                 stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-
-    def run_it(self, out, *words):
-        process = self.start(out, *words)
-        process.output, process.error = process.communicate(timeout=200)
-        return process
-
-    def result(self, out):
-        text = (self.folder / out / "result.json").read_text(encoding="utf-8")
-        self.assertEqual(validate_result.problems(text), [])
-        return json.loads(text)
 
     def log(self, out):
         return (self.folder / out / "log.txt").read_text(encoding="utf-8")
@@ -219,5 +204,4 @@ class Kills(BulkTest):
 
 
 if __name__ == "__main__":
-    PROGRAM = sys.argv.pop(1)
     unittest.main()
